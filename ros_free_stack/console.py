@@ -1,0 +1,49 @@
+"""What every subcommand shares: `--json` and `--debug`, words on stderr, one JSON object on stdout, progress bars."""
+
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
+
+import tyro
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Base of all subcommands: a dataclass whose fields are the options and whose `run` does the work."""
+
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object on stdout; words and progress go to stderr."""
+    debug: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Show the traceback of an error."""
+
+    def run(self) -> int:
+        """Do the work and return the exit code: 0 done, 3 infeasible; bad input raises a StackError."""
+        raise NotImplementedError
+
+    def report(self, result: dict[str, Any], *lines: str) -> None:
+        """Print the result: as JSON with `--json`, else the given lines of words."""
+        if self.json:
+            print(json.dumps(result, indent=2, default=str))
+        else:
+            for line in lines:
+                print(line)
+
+
+def say(message: str) -> None:
+    """One line for a person, on stderr so that stdout stays clean."""
+    print(message, file=sys.stderr, flush=True)
+
+
+def progress(items: Iterable[Item], description: str, total: int | None = None) -> Iterator[Item]:
+    """Iterate with a progress bar on stderr; silent where stderr is no terminal."""
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    yield from track(
+        items, description, total=total, console=console, disable=not console.is_terminal, transient=True
+    )
