@@ -44,6 +44,4 @@ def progress(items: Iterable[Item], description: str, total: int | None = None) 
     from rich.progress import track
 
     console = Console(stderr=True)
-    yield from track(
-        items, description, total=total, console=console, disable=not console.is_terminal, transient=True
-    )
+    yield from track(items, description, total=total, console=console, disable=not console.is_terminal, transient=True)

@@ -8,7 +8,8 @@ import json
 import os
 import tempfile
 import zipfile
-from collections.abc import Iterator
+import zlib
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -24,7 +25,7 @@ CONVENTIONS = "metres, radians, seconds; world z up, x forward; quaternions wxyz
 
 
 @contextmanager
-def atomic_path(path: Path) -> Iterator[Path]:
+def atomic_path(path: Path) -> Generator[Path]:
     """A temporary path beside `path` that replaces it when the block ends well and vanishes when it does not.
 
     Raises:
@@ -79,7 +80,7 @@ def _load(path: Path, kind: str) -> dict[str, np.ndarray[Any, Any]]:
     try:
         with np.load(path, allow_pickle=False) as archive:
             data = {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError, zlib.error) as error:
         raise InvalidFile(path, f"not a readable .npz ({error})") from None
     found = str(data.get("kind", "nothing"))
     if found != kind:

@@ -15,18 +15,14 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
-def _array(
-    message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64
-) -> Any:
+def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64) -> Any:
     """A read-only, finite copy of `value` with the given shape (None: any length), or InvalidMessage."""
     try:
-        array = np.array(value, dtype=dtype)
+        array: NDArray[Any] = np.array(value, dtype=dtype)
     except (TypeError, ValueError) as error:
         raise InvalidMessage(message, name, f"expected an array of {dtype.__name__}, {error}") from None
     wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
-    if array.ndim != len(shape) or any(
-        n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
-    ):
+    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidMessage(message, name, f"expected shape {wanted}, found {array.shape}")
     if array.size == 0:
         raise InvalidMessage(message, name, f"is empty, expected shape {wanted} with at least one frame")
@@ -54,9 +50,7 @@ class Segment:
 
     def __post_init__(self) -> None:
         if not 0 <= self.start_s <= self.end_s:
-            raise InvalidMessage(
-                "Segment", "end_s", f"expected 0 <= start <= end, found {self.start_s}, {self.end_s}"
-            )
+            raise InvalidMessage("Segment", "end_s", f"expected 0 <= start <= end, found {self.start_s}, {self.end_s}")
 
 
 @dataclass(frozen=True)
@@ -78,9 +72,7 @@ class HumanMotion:
     source: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "joints", _array("HumanMotion", "joints", self.joints, (None, JOINT_COUNT, 3))
-        )
+        object.__setattr__(self, "joints", _array("HumanMotion", "joints", self.joints, (None, JOINT_COUNT, 3)))
         object.__setattr__(self, "fps", _positive("HumanMotion", "fps", self.fps))
         object.__setattr__(self, "segments", tuple(self.segments))
 
@@ -122,9 +114,7 @@ class RobotTrajectory:
         if len(set(self.joint_names)) != len(self.joint_names):
             raise InvalidMessage(kind, "joint_names", "expected distinct names")
         object.__setattr__(self, "fps", _positive(kind, "fps", self.fps))
-        object.__setattr__(
-            self, "joint_pos", _array(kind, "joint_pos", self.joint_pos, (None, len(self.joint_names)))
-        )
+        object.__setattr__(self, "joint_pos", _array(kind, "joint_pos", self.joint_pos, (None, len(self.joint_names))))
         frames = len(self.joint_pos)
         object.__setattr__(self, "root_pos", _array(kind, "root_pos", self.root_pos, (frames, 3)))
         object.__setattr__(self, "root_quat", _array(kind, "root_quat", self.root_quat, (frames, 4)))
@@ -133,9 +123,7 @@ class RobotTrajectory:
         norms = np.linalg.norm(self.root_quat, axis=1)
         worst = int(np.argmax(np.abs(norms - 1)))
         if abs(norms[worst] - 1) > 1e-6:
-            raise InvalidMessage(
-                kind, "root_quat", f"expected unit norm, found {norms[worst]:.6f} at frame {worst}"
-            )
+            raise InvalidMessage(kind, "root_quat", f"expected unit norm, found {norms[worst]:.6f} at frame {worst}")
 
     @property
     def duration_s(self) -> float:

@@ -29,7 +29,7 @@ class Attachment:
 
 @dataclass(frozen=True)
 class Sole:
-    """The flat underside of a foot: `corners` (4, 3) m in the foot body's frame; `ankle` is the human joint above it."""
+    """The flat underside of a foot: `corners` (4, 3) m in the foot body's frame, and the human `ankle` above it."""
 
     body: str
     corners: tuple[tuple[float, float, float], ...]
@@ -135,9 +135,7 @@ class RobotDescription:
 def robot_names() -> tuple[str, ...]:
     """Names of the robots that are described here."""
     folder = resources.files("ros_free_stack") / "robots"
-    return tuple(
-        sorted(item.name.removesuffix(".yaml") for item in folder.iterdir() if item.name.endswith(".yaml"))
-    )
+    return tuple(sorted(item.name.removesuffix(".yaml") for item in folder.iterdir() if item.name.endswith(".yaml")))
 
 
 def load_robot(name: str) -> RobotDescription:
@@ -193,10 +191,7 @@ def _attachments(data: dict[str, Any]) -> dict[str, Attachment]:
     for joint in data:
         if joint not in INDEX:
             raise UnknownName("human joint", joint, INDEX)
-    return {
-        joint: Attachment(item["body"], _triple(item.get("offset", [0, 0, 0])))
-        for joint, item in data.items()
-    }
+    return {joint: Attachment(item["body"], _triple(item.get("offset", [0, 0, 0]))) for joint, item in data.items()}
 
 
 def _soles(data: dict[str, Any]) -> dict[str, Sole]:
