@@ -15,12 +15,12 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
-def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64) -> Any:
+def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: Any = np.float64) -> Any:
     """A read-only, finite copy of `value` with the given shape (None: any length), or InvalidMessage."""
     try:
         array: NDArray[Any] = np.array(value, dtype=dtype)
     except (TypeError, ValueError) as error:
-        raise InvalidMessage(message, name, f"expected an array of {dtype.__name__}, {error}") from None
+        raise InvalidMessage(message, name, f"expected an array of numbers, {error}") from None
     wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidMessage(message, name, f"expected shape {wanted}, found {array.shape}")

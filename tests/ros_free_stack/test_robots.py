@@ -1,0 +1,122 @@
+"""Robot descriptions: complete, consistent with their MuJoCo models, and refused when damaged."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.joint_sweep import sweep_joint_ranges
+from ros_free_stack.robot_model import (
+    add_floor,
+    joint_addresses,
+    kinematic_model,
+    robot_spec,
+    sole_corners,
+    standing_qpos,
+)
+from ros_free_stack.robots import load_robot, read_description, robot_names
+from ros_free_stack.skeleton import INDEX
+
+
+@pytest.fixture(params=robot_names())
+def robot(request: pytest.FixtureRequest):
+    return load_robot(request.param)
+
+
+def test_names_every_actuated_joint_of_the_model(robot):
+    model = kinematic_model(robot)
+    actuated = {model.joint(model.actuator_trnid[i, 0]).name for i in range(model.nu)}
+    assert set(robot.joint_names) == actuated
+
+
+def test_attachments_and_soles_name_bodies_of_the_model(robot):
+    model = kinematic_model(robot)
+    bodies = {model.body(i).name for i in range(model.nbody)}
+    named = {item.body for item in robot.attachments.values()} | {sole.body for sole in robot.soles.values()}
+    assert named | {robot.root_body, robot.torso_body} <= bodies
+    assert set(robot.attachments) >= {"pelvis", "left_ankle", "right_ankle", "left_wrist", "right_wrist"}
+    assert all(sole.ankle in INDEX for sole in robot.soles.values())
+
+
+def test_limits_reach_the_compiled_model(robot):
+    model = kinematic_model(robot)
+    for name, limits in robot.joints.items():
+        assert model.joint(name).range == pytest.approx([limits.lower, limits.upper])
+    assert np.all(robot.lower < robot.upper)
+    assert np.all((robot.lower <= robot.standing_pos) & (robot.standing_pos <= robot.upper))
+    assert np.all(robot.velocity > 0) and np.all(robot.effort > 0)
+
+
+def test_standing_pose_has_flat_feet_on_the_floor_under_the_centre_of_mass(robot):
+    model = kinematic_model(robot)
+    data = mujoco.MjData(model)
+    data.qpos[:] = standing_qpos(model, robot)
+    mujoco.mj_forward(model, data)
+    corners = np.concatenate(list(sole_corners(model, data, robot).values()))
+    assert corners[:, 2] == pytest.approx(0.0, abs=2e-3)
+    centre = data.subtree_com[0]
+    assert corners[:, 0].min() < centre[0] < corners[:, 0].max()
+    assert corners[:, 1].min() < centre[1] < corners[:, 1].max()
+
+
+def test_left_is_positive_y(robot):
+    model = kinematic_model(robot)
+    data = mujoco.MjData(model)
+    data.qpos[:] = standing_qpos(model, robot)
+    mujoco.mj_kinematics(model, data)
+    for name, item in robot.attachments.items():
+        if name.startswith(("left", "right")):
+            assert (data.body(item.body).xpos[1] > 0) == name.startswith("left"), name
+
+
+def test_floor_and_meshes_are_optional():
+    robot = load_robot("g1")
+    spec = robot_spec(robot, meshes=False)
+    add_floor(spec)
+    model = spec.compile()
+    assert model.geom("floor").type[0] == mujoco.mjtGeom.mjGEOM_PLANE
+    assert model.nmesh == 0
+
+
+def test_joint_addresses_follow_names():
+    robot = load_robot("op3")
+    model = kinematic_model(robot)
+    positions, speeds = joint_addresses(model, robot)
+    assert [model.joint(int(model.dof_jntid[i])).name for i in speeds] == list(robot.joint_names)
+    assert [model.jnt_qposadr[model.joint(n).id] for n in robot.joint_names] == positions.tolist()
+
+
+def test_op3_ranges_lie_inside_the_collision_sweep():
+    robot = load_robot("op3")
+    free = sweep_joint_ranges(robot, step_rad=0.03)
+    assert np.all(robot.lower >= free[:, 0] - 0.03), "a lower limit is beyond the first self-collision"
+    assert np.all(robot.upper <= free[:, 1] + 0.03), "an upper limit is beyond the first self-collision"
+
+
+def test_op3_servo_map():
+    servos = load_robot("op3").servos
+    assert servos is not None
+    assert sorted(servos.ids.values()) == list(range(1, 21))
+    assert (servos.ids["r_sho_pitch"], servos.ids["l_knee"], servos.ids["head_tilt"]) == (1, 14, 20)
+
+
+def test_unknown_robot_lists_the_known():
+    with pytest.raises(UnknownName, match="g1, op3"):
+        load_robot("r2d2")
+
+
+def test_damaged_description_names_the_file(tmp_path: Path):
+    path = tmp_path / "broken.yaml"
+    path.write_text("name: broken\n")
+    with pytest.raises(InvalidFile, match=r"broken\.yaml"):
+        read_description(path)
+
+
+def test_hash_changes_with_the_description(tmp_path: Path):
+    robot = load_robot("g1")
+    source = Path(__file__).parents[2] / "ros_free_stack" / "robots" / "g1.yaml"
+    changed = tmp_path / "g1.yaml"
+    changed.write_text(source.read_text().replace("title: Unitree G1", "title: another"))
+    assert read_description(changed).sha256 != robot.sha256
