@@ -71,6 +71,10 @@ class MissingDependency(StackError):
         super().__init__(f"{what} is missing: {remedy}")
 
 
+class UnsupportedModel(StackError):
+    """A robot model has a part that this project cannot handle."""
+
+
 class ModelMismatch(StackError):
     """Two things that must belong to the same robot model or trajectory do not."""
 
@@ -101,3 +105,27 @@ class PortError(HardwareFault):
 
 class UnsafeCommand(HardwareFault):
     """A command was refused before it could reach a servo."""
+
+
+class BusFault(HardwareFault):
+    """The bus does not carry clean packets: noise, wrong replies, a register that refuses a value."""
+
+
+class LostServo(HardwareFault):
+    """One or more servos do not answer."""
+
+    def __init__(self, servos: Iterable[str], circumstance: str) -> None:
+        self.servos = tuple(servos)
+        super().__init__(f"no answer from {', '.join(self.servos)} {circumstance}; check power and cables")
+
+
+class ServoFault(HardwareFault):
+    """A servo reports a hardware error, or its temperature, voltage or position left the safe range."""
+
+    def __init__(self, servo: str, problem: str) -> None:
+        super().__init__(f"{servo}: {problem}")
+        self.servo = servo
+
+
+class DeadlineFault(HardwareFault):
+    """The computer is too slow or too busy to keep the servo cycle."""
