@@ -1,0 +1,176 @@
+"""Sizes and training settings of the generator's models, and the two presets.
+
+`full` has the published sizes (MoMask, CVPR 2024; SegMo, WACV 2026) for a GPU; `small` trains on two CPU cores.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal, TypeVar
+
+from ros_free_stack.errors import NoWeights, UnknownName
+
+FEATURES = 263
+TEXT_WIDTH = 384
+MAX_SEGMENTS = 5
+MIN_FRAMES, MAX_FRAMES = 40, 196
+TOKEN_FRAMES = 4
+MIN_TOKENS, MAX_TOKENS = MIN_FRAMES // TOKEN_FRAMES, MAX_FRAMES // TOKEN_FRAMES
+
+Config = TypeVar("Config")
+
+
+@dataclass(frozen=True)
+class TokenizerConfig:
+    """Residual VQ-VAE: convolutions over time, down by four, residual quantizers.
+
+    Attributes:
+        stem: "strided" halves the rate in two stages (MoMask); "patch" in one step of overlapping windows, several
+            times cheaper because no layer then runs at the frame rate.
+        width, depth: channels, and residual blocks a stage.
+        dilation_growth: dilation of block i is this to the power i.
+        codes, code_width, quantizers: codebook entries, their width, and residual layers.
+        quantizer_dropout: probability that a training batch uses only the first few quantizers.
+    """
+
+    stem: Literal["strided", "patch"]
+    width: int
+    depth: int
+    dilation_growth: int
+    codes: int
+    code_width: int
+    quantizers: int
+    quantizer_dropout: float = 0.2
+
+
+@dataclass(frozen=True)
+class TransformerConfig:
+    """Mask or residual transformer.
+
+    Attributes:
+        width, layers, heads, feed_forward, dropout: the usual sizes.
+        codes, quantizers: those of the tokenizer it speaks the tokens of.
+        layout: where the segments lie in time, "exact" (labelled boundaries in training, predicted durations in
+            generation) or "uniform" (equal shares, as SegMo does by default).
+        condition_dropout: probability of training without text, for classifier-free guidance.
+    """
+
+    width: int
+    layers: int
+    heads: int
+    feed_forward: int
+    dropout: float
+    codes: int
+    quantizers: int
+    layout: Literal["exact", "uniform"] = "exact"
+    condition_dropout: float = 0.1
+
+
+@dataclass(frozen=True)
+class DurationsConfig:
+    """Multi-layer perceptron from a segment's text to the distribution of its duration."""
+
+    width: int
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a model is trained.
+
+    Attributes:
+        batch, iterations, learning_rate, warm_up: the usual; the rate falls as a cosine to `final_rate` of itself.
+        ema: decay of the averaged weights that are evaluated and exported; 0 takes the weights themselves.
+        alignment_weight: weight of the alignment loss (SegMo, equation 9); the mask transformer's only.
+        window: frames of a training window; the tokenizer's only.
+    """
+
+    batch: int
+    iterations: int
+    learning_rate: float
+    warm_up: int = 200
+    final_rate: float = 0.03
+    weight_decay: float = 0.01
+    clip: float = 1.0
+    ema: float = 0.999
+    alignment_weight: float = 0.0
+    window: int = 64
+
+
+@dataclass(frozen=True)
+class Preset:
+    """All models of one size with their training settings."""
+
+    tokenizer: TokenizerConfig
+    tokenizer_training: Training
+    mask: TransformerConfig
+    mask_training: Training
+    residual: TransformerConfig
+    residual_training: Training
+    durations: DurationsConfig
+    durations_training: Training
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Settings of generation.
+
+    Attributes:
+        steps: iterations of the mask transformer's decoding.
+        mask_guidance, residual_guidance: scales of classifier-free guidance; 1 is none.
+        temperature, residual_temperature: of the token distributions.
+        top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
+        duration_spread: how much of the predicted spread of durations the seed plays out.
+    """
+
+    steps: int = 10
+    mask_guidance: float = 2.0
+    residual_guidance: float = 2.0
+    temperature: float = 1.0
+    residual_temperature: float = 0.5
+    top_k: float = 0.9
+    duration_spread: float = 0.3
+
+
+_SMALL_MASK = TransformerConfig(192, 5, 4, 384, dropout=0.0, codes=512, quantizers=4)
+_FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
+
+PRESETS: dict[str, Preset] = {
+    "small": Preset(
+        tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=64, quantizers=4),
+        tokenizer_training=Training(48, 10_000, 1e-3, ema=0.0, weight_decay=0.0),
+        mask=_SMALL_MASK,
+        mask_training=Training(64, 20_000, 1e-3, alignment_weight=0.1),
+        residual=replace(_SMALL_MASK, layers=3),
+        residual_training=Training(64, 8_000, 1e-3),
+        durations=DurationsConfig(128),
+        durations_training=Training(256, 3_000, 1e-3, ema=0.99),
+    ),
+    "full": Preset(
+        tokenizer=TokenizerConfig("strided", 512, 3, 3, codes=512, code_width=512, quantizers=6),
+        tokenizer_training=Training(256, 100_000, 2e-4, warm_up=2000, ema=0.0, weight_decay=0.0),
+        mask=_FULL_MASK,
+        mask_training=Training(64, 300_000, 2e-4, warm_up=2000, alignment_weight=1.0),
+        residual=_FULL_MASK,
+        residual_training=Training(64, 300_000, 2e-4, warm_up=2000),
+        durations=DurationsConfig(256),
+        durations_training=Training(256, 10_000, 1e-3, ema=0.99),
+    ),
+}
+
+
+def preset(name: str) -> Preset:
+    """The preset of that name, or UnknownName."""
+    if name not in PRESETS:
+        raise UnknownName("preset", name, PRESETS)
+    return PRESETS[name]
+
+
+def to_json(config: Any) -> dict[str, Any]:
+    """A config dataclass as plain data."""
+    return asdict(config)
+
+
+def from_json(kind: type[Config], data: dict[str, Any]) -> Config:
+    """The config dataclass of that kind, or NoWeights where the data describe another version of it."""
+    try:
+        return kind(**data)
+    except TypeError as error:
+        raise NoWeights(f"{kind.__name__} was saved by another version of this program ({error})") from None

@@ -1,0 +1,1 @@
+"""The models of text-to-motion: tokenizer, mask transformer, residual transformer, durations."""

@@ -1,0 +1,84 @@
+"""The four training stages, in the order in which one needs the other's result."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import torch
+
+from generator.config import Preset, Training, preset
+from generator.data.dataset import MotionDataset
+from generator.training.loop import Objective, Run, train
+from ros_free_stack.console import say
+from ros_free_stack.errors import UnknownName
+
+STAGES: Final = ("tokenizer", "mask", "residual", "durations")
+
+
+@dataclass(frozen=True)
+class Job:
+    """One stage of training.
+
+    Attributes:
+        dataset: folder of the motion data set.
+        out: folder of the weights, with one folder a model.
+    """
+
+    stage: str
+    dataset: MotionDataset
+    preset_name: str
+    out: Path
+    iterations: int | None
+    minutes: float | None
+    device: str
+    seed: int
+    resume: bool
+
+    def run(self) -> dict[str, float]:
+        """Train the stage; the last row of its loss curve."""
+        models = preset(self.preset_name)
+        training = _training(models, self.stage)
+        objective = _objective(self, models)
+        parameters = sum(parameter.numel() for parameter in objective.model.parameters())
+        say(f"{self.stage}: {parameters / 1e6:.2f} M parameters, {objective.facts['clips']} clips, on {self.device}")
+        run = Run(self.iterations or training.iterations, self.minutes, self.device, self.seed, self.resume)
+        return train(objective, training, self.out / self.stage, run)
+
+
+def choose_device(name: str) -> str:
+    """ "auto" is the GPU where there is one; anything else but "cpu" and "cuda" is an UnknownName."""
+    choices = ["cpu", "cuda"] if torch.cuda.is_available() else ["cpu"]
+    if name == "auto":
+        return choices[-1]
+    if name not in choices:
+        raise UnknownName("device", name, ["auto", *choices])
+    return name
+
+
+def _training(models: Preset, stage: str) -> Training:
+    if stage not in STAGES:
+        raise UnknownName("stage", stage, [*STAGES, "all"])
+    return getattr(models, f"{stage}_training")
+
+
+def _objective(job: Job, models: Preset) -> Objective:
+    """The stage's objective; each imports only what it needs, so that none waits for the others' libraries."""
+    training = _training(models, job.stage)
+    if job.stage == "tokenizer":
+        from generator.training.tokenizer import TokenizerObjective
+
+        return TokenizerObjective(job.dataset, models.tokenizer, training, job.seed)
+    if job.stage == "durations":
+        from generator.training.durations import DurationsObjective
+
+        return DurationsObjective(job.dataset, models.durations, training, job.seed)
+    from generator.training.batches import TokenCorpus
+
+    corpus = TokenCorpus.build(job.dataset, job.out / "tokenizer", job.device)
+    if job.stage == "mask":
+        from generator.training.mask import MaskObjective
+
+        return MaskObjective(corpus, models.mask, training, job.seed)
+    from generator.training.residual import ResidualObjective
+
+    return ResidualObjective(corpus, models.residual, training, job.seed)
