@@ -1,0 +1,134 @@
+"""The CMU motion capture database: a folder of `SUBJECT/SUBJECT_TAKE.amc` (with `SUBJECT.asf`) or `.bvh` files.
+
+An `index.json` in the folder says what each take is and which HumanML3D clips were cut from it. The data was
+obtained from the CMU Graphics Lab Motion Capture Database, created with funding from NSF EIA-0196217.
+"""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generator.data.readers import asf_amc, bvh, skeleton_map
+from generator.data.readers.frames import from_y_up, put_on_floor
+from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.skeleton import FPS
+
+Floats = NDArray[np.float64]
+
+STRIDE = 6
+"""Every sixth frame of CMU's 120 a second, as HumanML3D takes them."""
+
+CENTIMETRE = 0.01
+ASF_UNIT = asf_amc.INCH / 0.45
+"""The length unit of CMU's skeletons, which the BVH files of subject 131 keep."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A HumanML3D clip cut from a take: its id, official split, time span and captions where they are known.
+
+    Times count from the first frame of the capture; a few AMC files begin later, those with clips by 0.13 s at
+    most. `mirrored_captions` describe the clip reflected left to right.
+    """
+
+    id: str
+    split: str
+    start_s: float
+    end_s: float
+    captions: tuple[str, ...]
+    mirrored_captions: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Take:
+    """One recording: name ("SUBJECT_TAKE"), CMU's words for it, frame rate, and the clips cut from it."""
+
+    name: str
+    description: str
+    subject: str
+    fps: float
+    clips: tuple[Clip, ...]
+
+
+def index(folder: Path) -> tuple[Take, ...]:
+    """The takes that `folder/index.json` lists.
+
+    Raises:
+        InvalidFile: the index is missing or not as expected.
+    """
+    path = folder / "index.json"
+    try:
+        return tuple(_take(entry) for entry in json.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
+    except (ValueError, TypeError, KeyError) as error:
+        raise InvalidFile(path, f"not an index of takes: {error!r}") from None
+
+
+def read_take(folder: Path, take: str) -> Floats:
+    """Joints of one take.
+
+    Args:
+        folder: the unpacked archive.
+        take: its name, e.g. "09_01".
+
+    Returns:
+        (T, 22, 3) in m at 20 fps: z up, where the recording began facing z now facing x, on the floor z = 0.
+
+    Raises:
+        UnknownName: the folder has no such take.
+        InvalidFile: a file is truncated or malformed.
+    """
+    stem = folder / take.partition("_")[0] / take
+    if stem.with_suffix(".amc").is_file():
+        joints = _read_amc(stem.with_suffix(".amc"))
+    elif stem.with_suffix(".bvh").is_file():
+        joints = _read_bvh(stem.with_suffix(".bvh"))
+    else:
+        takes = (path.stem for kind in ("amc", "bvh") for path in folder.glob(f"*/*.{kind}"))
+        raise UnknownName(f"take in {folder}", take, takes)
+    return put_on_floor(from_y_up(joints))
+
+
+def _read_amc(path: Path) -> Floats:
+    skeleton = asf_amc.read_asf(path.parent / f"{path.parent.name}.asf")
+    motion = asf_amc.read_amc(path, skeleton)
+    points = asf_amc.positions(skeleton, {bone: values[::STRIDE] for bone, values in motion.items()})
+    return _select(path, skeleton.names, points, skeleton_map.ASF)
+
+
+def _read_bvh(path: Path) -> Floats:
+    data = bvh.read_bvh(path)
+    if round(data.fps) != round(STRIDE * FPS):
+        raise InvalidFile(path, f"{data.fps:.1f} frames a second, CMU's recordings have {STRIDE * FPS:.0f}")
+    if len(data.values) < 2:
+        raise InvalidFile(path, "holds the T-pose only")
+    weights, metres = (skeleton_map.DAZ, CENTIMETRE) if "hip" in data.names else (skeleton_map.SUBJECT_131, ASF_UNIT)
+    # The first frame is a T-pose that the conversion put there.
+    points = bvh.positions(replace(data, values=data.values[1::STRIDE]))
+    return _select(path, data.names, points * metres, weights)
+
+
+def _select(path: Path, names: tuple[str, ...], points: Floats, weights: skeleton_map.Weights) -> Floats:
+    try:
+        return skeleton_map.select(names, points, weights)
+    except skeleton_map.UnknownSkeleton as error:
+        raise InvalidFile(path, str(error)) from None
+
+
+def _take(entry: dict) -> Take:
+    clips = tuple(
+        Clip(
+            id=clip["id"],
+            split=clip["split"],
+            start_s=float(clip["start_s"]),
+            end_s=float(clip["end_s"]),
+            captions=tuple(clip["captions"]),
+            mirrored_captions=tuple(clip["captions_mirrored"]),
+        )
+        for clip in entry["clips"]
+    )
+    return Take(entry["take"], entry["description"], entry["subject"], float(entry["fps"]), clips)
