@@ -1,0 +1,190 @@
+"""Clauses of a parsed sentence: where each action begins and ends, and how it is linked to the ones before it."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from generator.text.inflection import FINITE_FORMS, GERUNDS, gerund, third_person
+from generator.text.wording import SUBJECT, SUBORDINATORS
+
+if TYPE_CHECKING:
+    from spacy.tokens import Doc, Token
+
+_COORDINATORS = frozenset({"and", "or", "but", "then", ".", ";"})
+_CONNECTIVES = _COORDINATORS | SUBORDINATORS | {",", "simultaneously"}
+_FINITE_TAGS = frozenset({"VBZ", "VBP", "VBD", "VB"})
+_CLAUSE_LABELS = frozenset({"ROOT", "conj", "ccomp", "parataxis", "dep", "advcl", "appos"})
+_POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
+_OTHERS = {"him": "them", "me": "them", "you": "them", "us": "them", "himself": "themselves", "itself": "themselves",
+           "herself": "themselves", "yourself": "themselves", "myself": "themselves"}  # fmt: skip
+
+
+class Link(Enum):
+    """How a clause is placed in time against the clause that it belongs to."""
+
+    NEXT = "next"
+    AFTER = "after"
+    BEFORE = "before"
+    WHILE = "while"
+
+
+@dataclass(frozen=True)
+class Clause:
+    """One verb with all that belongs to it: "slowly" + "walk" + "to the left".
+
+    `leading`: its main clause follows ("after waving, he bows"). `parallel`: it is coordinated with the clause just
+    before it and shares that one's link ("after waving and clapping"). `new_sentence`: a full stop precedes it.
+    `plain_and`: only "and" or a comma links it, no word of time. `subject` is empty for a human being.
+    """
+
+    subject: str
+    adverbs: str
+    verb: str
+    rest: str
+    link: Link = Link.NEXT
+    leading: bool = False
+    parallel: bool = False
+    plain_and: bool = False
+    new_sentence: bool = False
+
+    @property
+    def third(self) -> str:
+        """"slowly walks to the left"."""
+        return _join(self.adverbs, third_person(self.verb), self.rest)
+
+    @property
+    def gerund(self) -> str:
+        """"slowly walking to the left"."""
+        return _join(self.adverbs, gerund(self.verb), self.rest)
+
+
+def clauses(doc: "Doc") -> list[Clause]:
+    """The clauses of a parsed text in the order of writing; none where it has no verb."""
+    heads = [token for token in doc if _is_head(token)]
+    starts = [_start(head) for head in heads]
+    found: list[Clause] = []
+    for place, head in enumerate(heads):
+        end = starts[place + 1] if place + 1 < len(heads) else len(doc)
+        floor = heads[place - 1].i + 1 if place else 0
+        first = _connectives_before(doc, starts[place], floor)
+        link_words = {token.text for token in doc[first : starts[place]]}
+        together = "simultaneously" in link_words or any(t.text == "simultaneously" for t in doc[starts[place] : end])
+        link = Link.WHILE if together and place else _link(head, link_words)
+        found.append(
+            Clause(
+                subject=_subject(doc, starts[place], head),
+                adverbs=_words(doc, starts[place], head.i, adverbs_only=True),
+                verb=_base(head),
+                rest=_join(_words(doc, head.i + 1, end), _words(doc, 0, first) if place == 0 else ""),
+                link=link,
+                leading=link is not Link.NEXT and (place == 0 or bool(link_words & _COORDINATORS)) and not together,
+                parallel=place > 0 and not link_words & SUBORDINATORS and _is_parallel(head, heads[place - 1]),
+                plain_and=bool(link_words) and link_words <= {"and", ","},
+                new_sentence=bool(link_words & {".", ";"}),
+            )
+        )
+    return found
+
+
+def _is_head(token: "Token") -> bool:
+    if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS):
+        return not (token.dep_ in {"aux"} and _has_later_participle(token))
+    if token.tag_ == "VBG" or (token.text in GERUNDS and token.pos_ == "VERB"):
+        return _is_gerund_head(token)
+    if token.tag_ not in _FINITE_TAGS or token.dep_ in {"aux", "xcomp"}:
+        return False
+    return token.dep_ in _CLAUSE_LABELS and _governor(token) not in {"to", "who", "that", "which", "if"}
+
+
+def _has_later_participle(auxiliary: "Token") -> bool:
+    """True for the "is" of "is walking", false for that of "is pushed", which is itself the verb to inflect."""
+    return auxiliary.head.tag_ == "VBG" or (auxiliary.lemma_ == "have" and auxiliary.head.tag_ == "VBN")
+
+
+def _is_gerund_head(token: "Token") -> bool:
+    if token.dep_ in {"amod", "compound", "xcomp", "nsubj"} and _governor(token) not in SUBORDINATORS:
+        return False
+    progressive = any(child.dep_ == "aux" and child.lemma_ == "be" for child in token.children)
+    governor = _governor(token)
+    if progressive or governor in SUBORDINATORS:
+        return governor not in {"who", "that", "which", "if"}
+    if governor in {"and", ",", "or"} and token.dep_ in {"conj", "advcl", "acl", "dep", "pcomp"}:
+        return True
+    return token.dep_ == "advcl" and governor not in {"if", "by", "without", "in", "of", "for"}
+
+
+def _governor(token: "Token") -> str:
+    """The nearest word before a verb that is neither its adverb nor its auxiliary."""
+    place = token.i - 1
+    while place >= 0 and (token.doc[place].dep_ in {"aux", "auxpass", "neg"} or _is_adverb(token.doc[place], token)):
+        place -= 1
+    return token.doc[place].text if place >= 0 else ""
+
+
+def _is_adverb(token: "Token", verb: "Token") -> bool:
+    return token.tag_ == "RB" and token.text not in _CONNECTIVES and (token.head == verb or token.text.endswith("ly"))
+
+
+def _start(head: "Token") -> int:
+    """Where the clause of a verb starts: at its subject, else at its adverbs and auxiliaries."""
+    doc, place = head.doc, head.i
+    while place > 0 and (doc[place - 1].dep_ in {"aux", "auxpass", "neg"} or _is_adverb(doc[place - 1], head)):
+        place -= 1
+    if place > 0 and doc[place - 1].text == SUBJECT:
+        return place - 1
+    subjects = [child for child in head.children if child.dep_ in {"nsubj", "nsubjpass"} and child.i < head.i]
+    if subjects and (subjects[0].left_edge.i == 0 or doc[subjects[0].left_edge.i - 1].dep_ != "prep"):
+        return min(place, subjects[0].left_edge.i)
+    return place
+
+
+def _subject(doc: "Doc", start: int, head: "Token") -> str:
+    """The words of a subject that is no human being, "" for one that is (or none)."""
+    if doc[start].text == SUBJECT or doc[start].tag_ in {"RB", "MD"} or start == head.i:
+        return ""
+    nouns = [token for token in doc[start : head.i] if token.dep_ not in {"aux", "auxpass", "neg", "advmod"}]
+    return " ".join(token.text for token in nouns)
+
+
+def _connectives_before(doc: "Doc", start: int, floor: int) -> int:
+    while start > floor and doc[start - 1].text in _CONNECTIVES:
+        start -= 1
+    return start
+
+
+def _link(head: "Token", words: set[str]) -> Link:
+    if "after" in words:
+        return Link.AFTER
+    if "before" in words:
+        return Link.BEFORE
+    participle = head.tag_ == "VBG" and not any(child.lemma_ == "be" for child in head.children)
+    return Link.WHILE if words & {"while", "as", "when"} or participle else Link.NEXT
+
+
+def _is_parallel(head: "Token", previous: "Token") -> bool:
+    """A gerund coordinated with another verb in -ing: "after waving and clapping", "is standing and waving"."""
+    is_gerund = head.tag_ == "VBG" and previous.tag_ == "VBG"
+    return is_gerund and head.dep_ == "conj"
+
+
+def _base(head: "Token") -> str:
+    return FINITE_FORMS.get(head.text) or GERUNDS.get(head.text) or head.lemma_
+
+
+def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> str:
+    while end > start and doc[end - 1].text in _CONNECTIVES - {"."} | {"."}:
+        end -= 1
+    words: list[str] = []
+    for token in doc[start:end]:
+        if token.text in {"simultaneously", ".", ";"} or (adverbs_only and token.tag_ != "RB"):
+            continue
+        if token.text in _POSSESSIVES or (token.text == "her" and token.tag_ == "PRP$"):
+            if not (words and words[-1] in {"both", "all", "the"}):
+                words.append("the")
+            continue
+        words.append(_OTHERS.get(token.text, token.text))
+    return _join(*words)
+
+
+def _join(*parts: str) -> str:
+    return " ".join(part for part in parts if part).replace(" ,", ",").replace(" 's", "'s").strip(", ")
