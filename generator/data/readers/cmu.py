@@ -6,6 +6,7 @@ obtained from the CMU Graphics Lab Motion Capture Database, created with funding
 
 import json
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,16 @@ Floats = NDArray[np.float64]
 STRIDE = 6
 """Every sixth frame of CMU's 120 a second, as HumanML3D takes them."""
 
+LEAD = 7
+"""Frames at the start of a BVH file that were not captured: a T-pose, and a smoothed way from it."""
+
+DAMAGED = frozenset({"09_10"})
+"""Takes without a usable file: the conversion lost the height and the turning of the root."""
+
+MAX_SPEED = 12.0
+"""No joint of a person moves faster than this (m/s) in what these takes show; some dances of subject 05 have a
+leg that does, for a few frames."""
+
 CENTIMETRE = 0.01
 ASF_UNIT = asf_amc.INCH / 0.45
 """The length unit of CMU's skeletons, which the BVH files of subject 131 keep."""
@@ -30,8 +41,7 @@ ASF_UNIT = asf_amc.INCH / 0.45
 class Clip:
     """A HumanML3D clip cut from a take: its id, official split, time span and captions where they are known.
 
-    Times count from the first frame of the capture; a few AMC files begin later, those with clips by 0.13 s at
-    most. `mirrored_captions` describe the clip reflected left to right.
+    Times count from the first frame of the capture; what `read_take` gives begins up to 0.13 s later. `mirrored_captions` describe the clip reflected left to right.
     """
 
     id: str
@@ -54,18 +64,19 @@ class Take:
 
 
 def index(folder: Path) -> tuple[Take, ...]:
-    """The takes that `folder/index.json` lists.
+    """The takes that `folder/index.json` lists, without the damaged ones.
 
     Raises:
         InvalidFile: the index is missing or not as expected.
     """
     path = folder / "index.json"
     try:
-        return tuple(_take(entry) for entry in json.loads(path.read_text(encoding="utf-8")))
+        takes = tuple(_take(entry) for entry in json.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
     except (ValueError, TypeError, KeyError) as error:
         raise InvalidFile(path, f"not an index of takes: {error!r}") from None
+    return tuple(take for take in takes if take.name not in DAMAGED)
 
 
 def read_take(folder: Path, take: str) -> Floats:
@@ -80,8 +91,10 @@ def read_take(folder: Path, take: str) -> Floats:
 
     Raises:
         UnknownName: the folder has no such take.
-        InvalidFile: a file is truncated or malformed.
+        InvalidFile: a file is truncated or malformed, or the take is known to be damaged.
     """
+    if take in DAMAGED:
+        raise InvalidFile(folder / take, "damaged: the root's height and turning are lost")
     stem = folder / take.partition("_")[0] / take
     if stem.with_suffix(".amc").is_file():
         joints = _read_amc(stem.with_suffix(".amc"))
@@ -91,6 +104,13 @@ def read_take(folder: Path, take: str) -> Floats:
         takes = (path.stem for kind in ("amc", "bvh") for path in folder.glob(f"*/*.{kind}"))
         raise UnknownName(f"take in {folder}", take, takes)
     return put_on_floor(from_y_up(joints))
+
+
+def sound_spans(joints: Floats) -> tuple[tuple[int, int], ...]:
+    """Stretches (start, end) of frames in which no joint jumps, the longest of which is usually the whole take."""
+    speed = np.linalg.norm(np.diff(joints, axis=0), axis=-1).max(axis=1) * FPS
+    cuts = [0, *(np.flatnonzero(speed > MAX_SPEED) + 1), len(joints)]
+    return tuple((int(start), int(end)) for start, end in pairwise(cuts) if end - start > 1)
 
 
 def _read_amc(path: Path) -> Floats:
@@ -104,11 +124,10 @@ def _read_bvh(path: Path) -> Floats:
     data = bvh.read_bvh(path)
     if round(data.fps) != round(STRIDE * FPS):
         raise InvalidFile(path, f"{data.fps:.1f} frames a second, CMU's recordings have {STRIDE * FPS:.0f}")
-    if len(data.values) < 2:
-        raise InvalidFile(path, "holds the T-pose only")
+    if len(data.values) <= LEAD:
+        raise InvalidFile(path, f"holds {len(data.values)} frames, the first {LEAD} of which are not captured")
     weights, metres = (skeleton_map.DAZ, CENTIMETRE) if "hip" in data.names else (skeleton_map.SUBJECT_131, ASF_UNIT)
-    # The first frame is a T-pose that the conversion put there.
-    points = bvh.positions(replace(data, values=data.values[1::STRIDE]))
+    points = bvh.positions(replace(data, values=data.values[LEAD::STRIDE]))
     return _select(path, data.names, points * metres, weights)
 
 
