@@ -1,0 +1,154 @@
+"""Jumps: ballistic flights between take-off and landing."""
+
+from typing import Annotated
+
+import numpy as np
+
+from generator.data.actions.registry import Count, Range, Speed, action
+from generator.data.actions.support import on_one_leg, stand_evenly
+from generator.data.body import BALL_HEIGHT, OTHER, SIDES, SIGN, Floats, Side, aim
+from generator.data.scene import Scene
+
+JumpHeight = Annotated[float, Range(0.03, 0.5)]
+JumpDistance = Annotated[float, Range(-0.8, 1.2)]
+_GRAVITY = 9.81
+
+
+def flight_time(height: float) -> float:
+    """Seconds in the air for a rise of the centre of mass in m."""
+    return float(2 * np.sqrt(2 * height / _GRAVITY))
+
+
+def _fly(scene: Scene, t: float, height: float, goals: dict[Side, Floats], *, tuck: float = 0.25) -> float:
+    """Lift off at `t` to a height in m; each foot flies to its goal (4,), drawn up by the share `tuck`; the landing."""
+    span = flight_time(height)
+    starts = {side: scene.foot(side) for side in goals}
+    scene.hold(t, "air", *(f"foot_{side}" for side in goals))
+    for x in np.linspace(0, 1, 9)[1:-1]:
+        rise, climb = 4 * height * x * (1 - x), 4 * height * (1 - 2 * x) / span
+        scene.tracks["air"].key(t + x * span, rise, climb)
+        drawn = tuck * height * 16 * x**2 * (1 - x) ** 2
+        drawing = tuck * height * 32 * x * (1 - x) * (1 - 2 * x) / span
+        for side, goal in goals.items():
+            way = goal - starts[side]
+            up = np.array([0, 0, 1, 0])
+            scene.tracks[f"foot_{side}"].key(
+                t + x * span, starts[side] + x * way + up * (rise + drawn), way / span + up * (climb + drawing)
+            )
+    scene.tracks["air"].key(t + span, 0.0, 0.0)
+    for side, goal in goals.items():
+        scene.tracks[f"foot_{side}"].key(t + span, goal, 0.0)
+    return t + span
+
+
+@action("whole")
+def jump(
+    scene: Scene,
+    t: float,
+    *,
+    count: Count = 1,
+    height: JumpHeight = 0.25,
+    distance: JumpDistance = 0.0,
+    speed: Speed = 1.0,
+) -> float:
+    """Jump in place or by `distance` m (forward positive): crouch, swing the arms, fly, land softly."""
+    for i in range(count):
+        dip, push, rise = scene.vary(0.5) / speed, scene.vary(0.26), scene.vary(height, 0.06)
+        depth, off = 0.20 + 0.25 * height, t + dip + push
+        goals: dict[Side, Floats] = {}
+        for s in SIDES:
+            home = scene.foot(s)
+            goals[s] = np.array([*scene.local(distance, 0, origin=home), BALL_HEIGHT, home[3]])
+        landed = _fly(scene, off, rise, goals)
+        middle, settled = 0.5 * (off + landed), landed + 0.75
+        scene.move(
+            "crouch", t, (t + dip, depth), (off, 0.0), (middle, 0.05), (landed, 0.03), (landed + 0.17, 0.6 * depth),
+            (settled, 0.0),
+        )  # fmt: skip
+        for track, lean in (("pelvis", 28), ("spine", 18)):
+            bend = {
+                "start": lean,
+                "up": 4 if track == "pelvis" else -3,
+                "land": 0.7 * lean if track == "pelvis" else 11,
+            }
+            scene.move(
+                track, t, (t + dip, [0, bend["start"], 0]), (off, [0, bend["up"], 0]), (landed, [0, 6, 0]),
+                (landed + 0.19, [0, bend["land"], 0]), (settled + 0.05, [0, 0, 0]),
+            )  # fmt: skip
+        for s in SIDES:
+            scene.move(f"roll_{s}", t + dip + 0.35 * push, *_toes(off, landed, 48))
+            scene.move(
+                f"arm_{s}", t, (t + dip, aim(-0.55, 0.25, -0.75, 0.92)), (off - 0.02, aim(0.85, 0.25, -0.05, 0.86)),
+                (off + 0.4 * (landed - off), aim(0.8, 0.4, 0.35, 0.85, 0.1)),
+                (landed + 0.2, aim(0.6, 0.4, -0.65, 0.86)), (landed + 0.9, scene.rest[s]),
+            )  # fmt: skip
+        t = landed + (0.9 if i == count - 1 else 0.75)
+    return t
+
+
+def _toes(off: float, landed: float, angle: float) -> list[tuple[float, float]]:
+    """Roll keys: up on the toes to take off, toes first to land."""
+    return [
+        (off + 0.02, np.radians(angle)),
+        (0.5 * (off + landed), np.radians(0.75 * angle)),
+        (landed, np.radians(0.45 * angle)),
+        (landed + 0.12, 0.0),
+    ]
+
+
+@action("whole")
+def hop(scene: Scene, t: float, *, side: Side = "right", count: Count = 3, speed: Speed = 1.0) -> float:
+    """Hop on one leg (`side`)."""
+    free = OTHER[side]
+    t = on_one_leg(scene, t, side)
+    ground, lifted = scene.foot(free), scene.foot(free)
+    lifted[:2], lifted[2] = scene.local(-0.10, -0.02 * SIGN[free], origin=lifted), BALL_HEIGHT + 0.24
+    scene.move(f"foot_{free}", t, (t + 0.45, lifted))
+    scene.move(f"roll_{free}", t - 0.1, (t + 0.2, 0.5), (t + 0.45, 0.8))
+    t += 0.45
+    for _ in range(count):
+        dip, push, height = scene.vary(0.26) / speed, 0.16, scene.vary(0.07)
+        off = t + dip + push
+        landed = _fly(scene, off, height, {side: scene.foot(side), free: lifted}, tuck=0.15)
+        scene.move(
+            "crouch", t, (t + dip, 0.085), (off, 0.0), (landed, 0.02), (landed + 0.12, 0.07), (landed + 0.3, 0.03)
+        )
+        scene.move("spine", t, (t + dip, [0, 9, 0]), (off, [0, 2, 0]), (landed + 0.12, [0, 7, 0]))
+        scene.move(f"roll_{side}", t + dip, *_toes(off, landed, 32))
+        for s in SIDES:
+            low, high = aim(0.35, 0.55, -0.75, 0.85), aim(0.40, 0.75, -0.35, 0.85)
+            scene.move(f"arm_{s}", t, (t + dip, low), (off + 0.1, high), (landed + 0.1, low))
+        t = landed + 0.12
+    end = t + 0.65
+    scene.move(f"foot_{free}", t + 0.15, (end, ground))
+    scene.move(f"roll_{free}", t + 0.15, (end, 0.12), (end + 0.12, 0.0))
+    scene.move("crouch", t, (end, 0.0))
+    scene.move("spine", t, (end, [0, 0, 0]))
+    for s in SIDES:
+        scene.relax(s, end + 0.3)
+    return stand_evenly(scene, end)
+
+
+@action("whole")
+def jumping_jacks(scene: Scene, t: float, *, count: Count = 4, speed: Speed = 1.0) -> float:
+    """Jump the legs apart with the arms overhead, and back together, `count` times."""
+    for i in range(2 * count):
+        wide = i % 2 == 0
+        dip, push = 0.16 / speed, 0.14
+        off = t + dip + push
+        goals: dict[Side, Floats] = {}
+        for s in SIDES:
+            home = scene.foot(s)
+            shift = SIGN[s] * (0.17 if wide else -0.17)
+            goals[s] = np.array([*scene.local(0, shift, origin=home), BALL_HEIGHT, home[3]])
+        landed = _fly(scene, off, scene.vary(0.07, 0.06), goals, tuck=0.0)
+        scene.move("crouch", t, (t + dip, 0.08), (off, 0.0), (landed, 0.03), (landed + 0.12, 0.055))
+        for s in SIDES:
+            scene.move(f"roll_{s}", t + 0.6 * dip, *_toes(off, landed, 30))
+            over, out = aim(0.05, 0.35, 0.93, 0.95, 0.4), aim(0.1, 1, 0.05, 0.93)
+            scene.move(
+                f"arm_{s}", t + 0.5 * dip, (0.5 * (off + landed) - 0.05, out), (landed, over if wide else scene.rest[s])
+            )
+        t = landed + 0.08
+    scene.move("crouch", t, (t + 0.4, 0.0))
+    return t + 0.4

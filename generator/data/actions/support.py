@@ -1,0 +1,25 @@
+"""Shifts of the weight that several actions share."""
+
+from generator.data.body import SIGN, Side
+from generator.data.scene import Scene
+
+
+def share(side: Side) -> float:
+    """Value of the weight track when `side` carries everything."""
+    return 0.5 + 0.5 * SIGN[side]
+
+
+def on_one_leg(scene: Scene, t: float, side: Side, span: float = 0.4) -> float:
+    """Shift the weight onto one leg; the time from which the other foot is free."""
+    weight = scene.tracks["weight"]
+    weight.hold(t)
+    weight.key(t + span, share(side))
+    return t + span + 0.12
+
+
+def stand_evenly(scene: Scene, t: float, span: float = 0.45) -> float:
+    """Share the weight between both feet from `t` on; the time at which it is done."""
+    weight = scene.tracks["weight"]
+    weight.hold(t - 0.05)
+    weight.key(t + span, 0.5)
+    return t + span
