@@ -1,0 +1,212 @@
+"""What a motion is generated from: the sentence, its segments in order, and how long each segment lasts.
+
+SegMo puts the sentence and the segments before the motion tokens (section 3.2) and leaves it to attention to find out
+which segment a token belongs to. Short segments then get lost. Here each motion token is also told its own segment's
+text, the segment's number, and how far into the segment it is.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike
+from torch import Tensor, nn
+from torch.nn import functional
+
+from generator.config import MAX_SEGMENTS, TEXT_WIDTH, TOKEN_FRAMES
+from generator.text.encoder import Whitener
+from ros_free_stack.errors import InvalidOption
+
+PROGRESS_WAVES = 4
+TOKEN_WAVELENGTHS = (4.0, 10.0, 25.0, 60.0)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Texts and layout of B motions of at most A segments.
+
+    Attributes:
+        sentence: (B, 384) sentence embeddings.
+        segments: (B, A, 384) embeddings of the segments' texts; rows beyond a motion's segments do not matter.
+        lengths: (B, A) tokens of each segment, 0 beyond a motion's segments.
+    """
+
+    sentence: Tensor
+    segments: Tensor
+    lengths: Tensor
+
+    @property
+    def segment_mask(self) -> Tensor:
+        """(B, A) true where there is a segment."""
+        return self.lengths > 0
+
+    @cached_property
+    def tokens(self) -> int:
+        """Tokens of the longest motion."""
+        return int(self.lengths.sum(1).max())
+
+    @cached_property
+    def token_mask(self) -> Tensor:
+        """(B, T) true on tokens, false on padding."""
+        return self._places < self.lengths.sum(1, keepdim=True)
+
+    @cached_property
+    def segment_of(self) -> Tensor:
+        """(B, T) number of the segment that each token belongs to; that of the last one on padding."""
+        ends = self.lengths.cumsum(1)
+        number = (self._places[..., None] >= ends[:, None]).sum(-1)
+        return torch.minimum(number, self.segment_mask.sum(1, keepdim=True) - 1)
+
+    @cached_property
+    def elapsed(self) -> Tensor:
+        """(B, T) tokens since the segment began."""
+        starts = self.lengths.cumsum(1) - self.lengths
+        return self._places - starts.gather(1, self.segment_of)
+
+    @cached_property
+    def lasting(self) -> Tensor:
+        """(B, T) length of each token's segment."""
+        return self.lengths.gather(1, self.segment_of)
+
+    @property
+    def _places(self) -> Tensor:
+        return torch.arange(self.tokens, device=self.lengths.device)[None]
+
+    def to(self, device: torch.device | str) -> Self:
+        return type(self)(self.sentence.to(device), self.segments.to(device), self.lengths.to(device))
+
+    def repeated(self, times: int) -> Self:
+        """The whole batch `times` over."""
+        return type(self)(
+            self.sentence.repeat(times, 1), self.segments.repeat(times, 1, 1), self.lengths.repeat(times, 1)
+        )
+
+    def __getitem__(self, rows: Tensor) -> Self:
+        return type(self)(self.sentence[rows], self.segments[rows], self.lengths[rows])
+
+
+class WhitenedText(nn.Module):
+    """Whitening of text embeddings, kept with the weights. In a raw sentence embedding left and right hardly differ."""
+
+    mean: Tensor
+    matrix: Tensor
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(TEXT_WIDTH))
+        self.register_buffer("matrix", torch.eye(TEXT_WIDTH))
+
+    def fit(self, embeddings: np.ndarray) -> None:
+        """Learn the whitening of (N, 384) training texts."""
+        whitener = Whitener.fit(embeddings)
+        self.mean.copy_(torch.from_numpy(whitener.mean))
+        self.matrix.copy_(torch.from_numpy(whitener.matrix))
+
+    def forward(self, embeddings: Tensor) -> Tensor:
+        return (embeddings - self.mean) @ self.matrix
+
+
+@dataclass(frozen=True)
+class Conditioning:
+    """What a transformer reads of a condition.
+
+    Attributes:
+        prefix: (B, 1 + A, W) the sentence's token and the segments', to stand before the motion tokens.
+        prefix_mask: (B, 1 + A) true where there is such a token.
+        local: (B, T, W) to be added to the motion tokens.
+        segments: (B, A, W) segment tokens before their numbers were added and before any was dropped.
+    """
+
+    prefix: Tensor
+    prefix_mask: Tensor
+    local: Tensor
+    segments: Tensor
+
+
+class SegmentConditioning(nn.Module):
+    """Conditioning of the mask and residual transformers, of width W."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.white_sentence, self.white_segment = WhitenedText(), WhitenedText()
+        self.sentence = nn.Linear(TEXT_WIDTH, width)
+        self.segment = nn.Linear(TEXT_WIDTH, width)
+        self.local = nn.Linear(TEXT_WIDTH, width)
+        self.prefix_number = nn.Embedding(MAX_SEGMENTS, width)
+        self.local_number = nn.Embedding(MAX_SEGMENTS, width)
+        self.progress = nn.Linear(2 * PROGRESS_WAVES + 6 * len(TOKEN_WAVELENGTHS), width)
+        for table in (self.prefix_number, self.local_number):
+            nn.init.normal_(table.weight, std=0.02)
+
+    def fit(self, sentences: np.ndarray, segments: np.ndarray) -> None:
+        """Learn the whitening of the training texts, (N, 384) and (M, 384)."""
+        self.white_sentence.fit(sentences)
+        self.white_segment.fit(segments)
+
+    def forward(self, condition: Condition, keep_sentence: Tensor, keep_text: Tensor) -> Conditioning:
+        """Condition of B motions; where `keep_text` (B,) is false no text is seen, where `keep_sentence` (B,) is
+        false the sentence is not. The layout in time is always seen, so that guidance acts on the words."""
+        white = self.white_segment(condition.segments)
+        sentence = self.sentence(self.white_sentence(condition.sentence))[:, None]
+        segments = self.segment(white)
+        numbered = segments + self.prefix_number.weight[: segments.shape[1]]
+        keep = keep_text[:, None, None].to(segments.dtype)
+        prefix = torch.cat([sentence * (keep_sentence & keep_text)[:, None, None], numbered * keep], dim=1)
+        prefix_mask = functional.pad(condition.segment_mask, (1, 0), value=True)
+        number = condition.segment_of
+        own_text = (self.local(white) * keep).gather(1, number[..., None].expand(-1, -1, segments.shape[-1]))
+        local = own_text + self.local_number(number) + self.progress(_progress(condition))
+        return Conditioning(prefix, prefix_mask, local, segments)
+
+
+def _progress(condition: Condition) -> Tensor:
+    """(B, T, 32) waves of the share of the segment that is over, and of the tokens behind, ahead, and in all."""
+    behind, lasting = condition.elapsed.float(), condition.lasting.float().clamp_min(1)
+    octaves = math.pi * 2.0 ** torch.arange(PROGRESS_WAVES, device=behind.device)
+    rates = 2 * math.pi / torch.tensor(TOKEN_WAVELENGTHS, device=behind.device)
+    times = torch.stack([behind, lasting - 1 - behind, lasting], dim=-1)
+    angles = torch.cat(
+        [((behind + 0.5) / lasting)[..., None] * octaves, (times[..., None] * rates).flatten(-2)], dim=-1
+    )
+    return torch.cat([angles.sin(), angles.cos()], dim=-1)
+
+
+def segment_lengths(spans: Sequence[tuple[int, int]], tokens: int) -> np.ndarray:
+    """Tokens of each segment, (A,), from its (start, end) frames in a motion of so many tokens.
+
+    A boundary lies midway between the end of one segment and the start of the next; each segment gets at least one.
+
+    Raises:
+        InvalidOption: more segments than tokens or than the models take.
+    """
+    count = len(spans)
+    check_segments(count, tokens)
+    edges = [0]
+    for i, ((_, end), (start, _)) in enumerate(pairwise(spans), start=1):
+        edge = round((end + start) / 2 / TOKEN_FRAMES)
+        edges.append(min(max(edge, edges[-1] + 1), tokens - (count - i)))
+    return np.diff([*edges, tokens])
+
+
+def uniform_lengths(count: int, tokens: int) -> np.ndarray:
+    """Equal shares of the tokens for each segment, (A,): SegMo's default (section 3.4)."""
+    check_segments(count, tokens)
+    return np.diff(np.arange(count + 1) * tokens // count)
+
+
+def check_segments(count: int, tokens: int) -> None:
+    """InvalidOption unless there are 1 to 5 segments and a token for each."""
+    if not 1 <= count <= MAX_SEGMENTS:
+        raise InvalidOption("segments", f"the models take 1 to {MAX_SEGMENTS} segments, found {count}")
+    if tokens < count:
+        raise InvalidOption("segments", f"{count} segments do not fit into {tokens} tokens of {TOKEN_FRAMES} frames")
+
+
+def stack_lengths(rows: Sequence[ArrayLike]) -> Tensor:
+    """(B, A) of segment lengths, padded with zeros."""
+    return nn.utils.rnn.pad_sequence([torch.as_tensor(np.asarray(row)) for row in rows], batch_first=True).long()

@@ -1,0 +1,124 @@
+"""The mask transformer: fills in masked base tokens, and generates them from nothing but masks."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+
+from generator.config import MAX_TOKENS, Sampling, TransformerConfig
+from generator.models.alignment import SegmentAlignment
+from generator.models.conditioning import Condition, SegmentConditioning
+from generator.models.layers import Transformer
+
+RANDOM_SHARE, MASK_SHARE = 0.1, 0.88
+
+
+@dataclass(frozen=True)
+class MaskOutput:
+    """Result of the mask transformer.
+
+    Attributes:
+        logits: (B, T, K) of the codes.
+        hidden: (B, T, W) motion tokens of the last layer.
+        segments: (B, A, W) segment tokens.
+    """
+
+    logits: Tensor
+    hidden: Tensor
+    segments: Tensor
+
+
+class MaskTransformer(nn.Module):
+    """Bidirectional transformer on sentence token, segment tokens and motion tokens (SegMo, equation 4)."""
+
+    def __init__(self, config: TransformerConfig) -> None:
+        super().__init__()
+        self.config = config
+        width = config.width
+        self.embedding = nn.Embedding(config.codes + 1, width)
+        self.position = nn.Parameter(0.02 * torch.randn(MAX_TOKENS, width))
+        self.conditioning = SegmentConditioning(width)
+        self.transformer = Transformer(
+            width=width,
+            layers=config.layers,
+            heads=config.heads,
+            feed_forward=config.feed_forward,
+            dropout=config.dropout,
+        )
+        self.output = nn.Linear(width, config.codes)
+        self.alignment = SegmentAlignment(width)
+        nn.init.normal_(self.embedding.weight, std=0.02)
+
+    @property
+    def mask_token(self) -> int:
+        return self.config.codes
+
+    def forward(self, tokens: Tensor, condition: Condition, keep_sentence: Tensor, keep_text: Tensor) -> MaskOutput:
+        """Tokens (B, T), some of them the mask token, to predictions; for the (B,) flags see SegmentConditioning."""
+        given = self.conditioning(condition, keep_sentence, keep_text)
+        motion = self.embedding(tokens) + self.position[: tokens.shape[1]] + given.local
+        mask = torch.cat([given.prefix_mask, condition.token_mask], dim=1)
+        hidden = self.transformer(torch.cat([given.prefix, motion], dim=1), mask)[:, given.prefix.shape[1] :]
+        return MaskOutput(self.output(hidden), hidden, given.segments)
+
+    @torch.inference_mode()
+    def generate(self, condition: Condition, sampling: Sampling, generator: torch.Generator) -> Tensor:
+        """Base tokens (B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT)."""
+        tokens = torch.full(condition.token_mask.shape, self.mask_token, device=condition.lengths.device)
+        length = condition.lengths.sum(1)
+        for step in range(1, sampling.steps + 1):
+            logits = self._guided(tokens, condition, sampling.mask_guidance)
+            drawn, chance = sample(logits, sampling.temperature, sampling.top_k, generator)
+            masked = tokens == self.mask_token
+            tokens = torch.where(masked, drawn, tokens)
+            # Tokens of earlier steps and padding rank last, so that only this step's least sure ones are masked again.
+            surety = chance.masked_fill(~masked | ~condition.token_mask, torch.inf)
+            again = (math.cos(math.pi / 2 * step / sampling.steps) * length).floor().long()
+            rank = surety.argsort(1, stable=True).argsort(1)
+            tokens = tokens.masked_fill((rank < again[:, None]) & masked & condition.token_mask, self.mask_token)
+        return tokens.masked_fill(~condition.token_mask, 0)
+
+    def _guided(self, tokens: Tensor, condition: Condition, scale: float) -> Tensor:
+        """Logits with classifier-free guidance."""
+        keep = torch.ones(len(tokens), dtype=torch.bool, device=tokens.device)
+        if scale == 1:
+            return self(tokens, condition, keep, keep).logits.float()
+        both = torch.cat([keep, ~keep])
+        logits = self(tokens.repeat(2, 1), condition.repeated(2), both, both).logits.float()
+        with_text, without = logits.chunk(2)
+        return without + scale * (with_text - without)
+
+
+def sample(
+    logits: Tensor, temperature: float, top_k: float, generator: torch.Generator
+) -> tuple[Tensor, Tensor]:
+    """Draw one code for each (B, T, K) of logits from the best share 1 - `top_k` of them.
+
+    Returns: (B, T) codes and (B, T) their probability among all codes.
+    """
+    best, codes = logits.topk(max(1, round((1 - top_k) * logits.shape[-1])), dim=-1)
+    weights = (best / temperature).softmax(-1)
+    choice = torch.multinomial(weights.flatten(0, 1), 1, generator=generator).view(*logits.shape[:2], 1)
+    drawn = codes.gather(-1, choice)
+    return drawn[..., 0], logits.softmax(-1).gather(-1, drawn)[..., 0]
+
+
+def mask_tokens(tokens: Tensor, valid: Tensor, codes: int) -> tuple[Tensor, Tensor]:
+    """Mask tokens (B, T) for training, as MoMask does.
+
+    The share cos(pi u / 2) of each row is chosen, u uniform; of the chosen ones 10 % become random codes, 88 % of the
+    rest the mask token (number `codes`), and what remains stays.
+
+    Returns: the masked tokens and which were chosen, both (B, T).
+    """
+    shape, device = tokens.shape, tokens.device
+    share = torch.cos(math.pi / 2 * torch.rand(shape[0], 1, device=device))
+    count = (share * valid.sum(1, keepdim=True)).round().clamp_min(1)
+    order = torch.rand(shape, device=device).masked_fill(~valid, torch.inf).argsort(1).argsort(1)
+    chosen = (order < count) & valid
+    draw = torch.rand(shape, device=device)
+    randomised = chosen & (draw < RANDOM_SHARE)
+    hidden = chosen & (draw >= RANDOM_SHARE) & (draw < RANDOM_SHARE + (1 - RANDOM_SHARE) * MASK_SHARE)
+    masked = torch.where(randomised, torch.randint_like(tokens, codes), tokens)
+    return masked.masked_fill(hidden, codes), chosen
