@@ -1,0 +1,348 @@
+"""Drawing one clip of the corpus: which deeds, authored or captured, one after the other or at the same time.
+
+Authored deeds that follow each other are performed in one scene; captured ones are warped, mirrored, sometimes given
+authored arms, and joined by a bridging step. Captions say what was performed.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from generator.data import pose as poses
+from generator.data.actions import ACTIONS, perform
+from generator.data.captions import Caption, compose_caption, draw_voice, together
+from generator.data.cmu_atoms import Atom, mirror_params
+from generator.data.joins import cut, join, layer, length, warp
+from generator.data.pose import ARM_CHANNELS, Pose
+from generator.data.scene import Scene
+from generator.data.vocabulary import STILL, VOCABULARY, Draw, Params, Phrase, Voice, entry, parts
+from ros_free_stack.skeleton import FPS
+
+MIN_FRAMES: Final = 40
+MAX_FRAMES: Final = 196
+SEGMENT_SHARES: Final = (0.34, 0.32, 0.20, 0.09, 0.05)
+"""How often a clip has one, two, ... five segments."""
+MAX_JOINT_SPEED: Final = 14.0  # m/s
+_SIMULTANEOUS = 0.22
+_SAME_AGAIN = 0.07
+_REAL_CLIPS = 0.32
+_ATTEMPTS = 200
+_AFTER_SITTING = ("look_around", "nod", "shake_head", "wave", "clap", "cross_arms", "drink", "point", "raise_arm")
+_SUBTLE = ("nod", "shake_head", "shrug", "stand")
+_ATOM_WEIGHTS: Final = {"walk": 3.0, "jog": 1.5, "jump": 1.5, "kick": 1.5, "ballet": 1.0, "swordplay": 0.5}
+
+
+@dataclass(frozen=True)
+class Deed:
+    """One action with its parameters."""
+
+    name: str
+    params: Params
+
+
+@dataclass(frozen=True)
+class Part:
+    """One segment to be: an authored deed, or a captured one, with an arm deed at the same time or not."""
+
+    deed: Deed | None = None
+    atom: Atom | None = None
+    arms: Deed | None = None
+
+    @property
+    def name(self) -> str:
+        main = self.atom.name if self.atom else self.deed.name if self.deed else ""
+        return f"{main}+{self.arms.name}" if self.arms else main
+
+    @property
+    def actions(self) -> tuple[tuple[str, Params], ...]:
+        return tuple((deed.name, deed.params) for deed in (self.atom, self.deed, self.arms) if deed)
+
+
+@dataclass(frozen=True)
+class LabelledSegment:
+    """One segment of a clip.
+
+    Attributes:
+        text: "a person " and the third person of what is done.
+        start, end: frames; the segments of a clip tile it.
+        arms, legs: what these parts do.
+        actions: names and parameters of the one or two deeds.
+    """
+
+    text: str
+    start: int
+    end: int
+    arms: str
+    legs: str
+    actions: tuple[tuple[str, Params], ...]
+
+
+@dataclass(frozen=True)
+class ComposedClip:
+    """A clip: joints (T, 22, 3), segments that tile its T - 1 steps, captions, and where it comes from."""
+
+    joints: np.ndarray
+    segments: tuple[LabelledSegment, ...]
+    captions: tuple[Caption, ...]
+    source: str
+    names: tuple[str, ...]
+
+
+class _Redraw(Exception):
+    """The clip drawn cannot be used: too long, too short, or not a motion."""
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A pose with the spans (frames) of its segments."""
+
+    pose: Pose
+    spans: tuple[tuple[float, float], ...]
+
+
+def compose_clip(rng: np.random.Generator, atoms: tuple[Atom, ...] = ()) -> ComposedClip:
+    """Draw a clip. The same generator state gives the same clip.
+
+    Args:
+        rng: all randomness.
+        atoms: captured deeds; without them all is authored.
+    """
+    count = 1 + int(rng.choice(len(SEGMENT_SHARES), p=SEGMENT_SHARES))
+    real = bool(atoms) and rng.random() < _REAL_CLIPS
+    for attempt in range(_ATTEMPTS):
+        if attempt and attempt % 20 == 0 and count > 1:
+            count -= 1
+        try:
+            return _draw_clip(rng, count, atoms if real else ())
+        except _Redraw:
+            continue
+    raise RuntimeError(f"no usable clip in {_ATTEMPTS} draws")
+
+
+def _draw_clip(rng: np.random.Generator, count: int, atoms: tuple[Atom, ...]) -> ComposedClip:
+    plan = draw_plan(rng, count, atoms)
+    pose, spans = _perform(plan, rng)
+    frames = length(pose)
+    if not MIN_FRAMES <= frames - 1 <= MAX_FRAMES:
+        raise _Redraw
+    joints = poses.joints(pose)
+    if not is_motion(joints):
+        raise _Redraw
+    captions = _captions(plan, rng)
+    edges = _tile(spans, frames - 1)
+    segments = tuple(
+        LabelledSegment(text, start, end, *_part_texts(part), part.actions)
+        for text, start, end, part in zip(captions[0].segments, edges[:-1], edges[1:], plan, strict=True)
+    )
+    captured = sum(part.atom is not None for part in plan)
+    source = "authored" if captured == 0 else "cmu" if captured == count and not any(p.arms for p in plan) else "mixed"
+    return ComposedClip(joints, segments, captions, source, tuple(part.name for part in plan))
+
+
+def is_motion(joints: np.ndarray) -> bool:
+    """Whether joints (T, 22, 3) are finite, above the floor and slower than a body can be."""
+    if not np.isfinite(joints).all() or joints[..., 2].min() < -0.12:
+        return False
+    return bool(np.linalg.norm(np.diff(joints, axis=0), axis=-1).max() * FPS < MAX_JOINT_SPEED)
+
+
+def draw_plan(rng: np.random.Generator, count: int, atoms: tuple[Atom, ...] = ()) -> tuple[Part, ...]:
+    """The parts of a clip of `count` segments; with atoms at least one of them is captured."""
+    draw = Draw(rng, brief=count >= 4 or (count == 3 and rng.random() < 0.5))
+    captured = _captured_slots(rng, count) if atoms else frozenset()
+    plan: list[Part] = []
+    for slot in range(count):
+        if slot in captured:
+            part = _draw_atom(rng, atoms, first=slot == 0, last=slot == count - 1, brief=draw.brief)
+        else:
+            part = _draw_authored(draw, plan, joined=slot + 1 in captured)
+        plan.append(part)
+    return tuple(plan)
+
+
+def _captured_slots(rng: np.random.Generator, count: int) -> frozenset[int]:
+    slots = frozenset(int(slot) for slot in range(count) if rng.random() < 0.4)
+    return slots or frozenset((int(rng.integers(count)),))
+
+
+def _draw_atom(rng: np.random.Generator, atoms: tuple[Atom, ...], *, first: bool, last: bool, brief: bool) -> Part:
+    usable = [a for a in atoms if not a.role or (a.role == "first" and first) or (a.role == "last" and last)]
+    names = sorted({atom.name for atom in usable})
+    weights = np.array([_ATOM_WEIGHTS.get(name, 0.7) for name in names])
+    name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
+    same = [atom for atom in usable if atom.name == name]
+    atom = same[int(rng.integers(len(same)))]
+    atom = atom.mirrored if rng.random() < 0.5 else atom
+    arms = None
+    if name in ("walk", "jog") and rng.random() < _SIMULTANEOUS:
+        arms = _draw_deed(Draw(rng), "arms", ())
+    elif atom.cyclic:
+        atom = _window(rng, atom, brief=brief)
+    return Part(atom=atom, arms=arms)
+
+
+def _window(rng: np.random.Generator, atom: Atom, *, brief: bool) -> Atom:
+    frames = length(atom.pose)
+    longest = min(frames, round((2.2 if brief else 5.0) * FPS))
+    size = int(rng.integers(min(longest, round(1.5 * FPS)), longest + 1))
+    start = int(rng.integers(frames - size + 1))
+    params = dict(atom.params)
+    if "curve" in params:
+        params["curve"] = params["curve"] * size / frames
+    return Atom(**{**vars(atom), "pose": cut(atom.pose, start, start + size), "params": params})
+
+
+def _draw_authored(draw: Draw, plan: list[Part], *, joined: bool) -> Part:
+    """The next authored part; `joined` where a captured one follows, for which the person must stand."""
+    rng = draw.rng
+    before = plan[-1] if plan else None
+    if _sits(plan):
+        names = [name for name in _AFTER_SITTING if name in ACTIONS]
+        name = "stand_up" if joined or rng.random() < 0.7 else names[int(rng.integers(len(names)))]
+        return Part(deed=Deed(name, entry(name).sample(draw)))
+    if before and before.deed and not before.arms and rng.random() < _SAME_AGAIN:
+        other = mirror_params(before.deed.params)
+        if other != before.deed.params:
+            return Part(deed=Deed(before.deed.name, other))
+    avoid = ("stand_up", *(("sit_down",) if joined else ()), *((before.deed.name,) if before and before.deed else ()))
+    deed = _draw_deed(draw, "", avoid)
+    if ACTIONS[deed.name].part == "legs" and deed.name != "stand" and rng.random() < 2.2 * _SIMULTANEOUS:
+        deed = Deed(deed.name, entry(deed.name).sample(Draw(rng)))
+        return Part(deed=deed, arms=_draw_deed(Draw(rng, brief=draw.brief), "arms", ()))
+    return Part(deed=deed)
+
+
+def _sits(plan: list[Part]) -> bool:
+    names = [part.deed.name for part in plan if part.deed]
+    return "sit_down" in names and "stand_up" not in names[len(names) - names[::-1].index("sit_down") :]
+
+
+def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...]) -> Deed:
+    names = [n for n in VOCABULARY if n in ACTIONS and n not in avoid and (not part or ACTIONS[n].part == part)]
+    weights = np.array([VOCABULARY[name].weight for name in names])
+    name = names[int(draw.rng.choice(len(names), p=weights / weights.sum()))]
+    return Deed(name, entry(name).sample(draw))
+
+
+def _perform(plan: tuple[Part, ...], rng: np.random.Generator) -> tuple[Pose, tuple[tuple[float, float], ...]]:
+    """The pose of a whole plan and the spans of its parts, in frames."""
+    runs: list[_Run] = []
+    index = 0
+    while index < len(plan):
+        if plan[index].atom:
+            runs.append(_capture(plan[index], rng))
+            index += 1
+        else:
+            stop = index
+            while stop < len(plan) and not plan[stop].atom:
+                stop += 1
+            runs.append(_author(plan[index:stop], rng, lone=stop - index == len(plan)))
+            index = stop
+    pose, spans = runs[0].pose, runs[0].spans
+    for run in runs[1:]:
+        pose, _, after = join(pose, run.pose)
+        spans += tuple((start + after, end + after) for start, end in run.spans)
+    return pose, spans
+
+
+def _author(plan: tuple[Part, ...], rng: np.random.Generator, *, lone: bool) -> _Run:
+    """Perform consecutive authored parts in one scene."""
+    scene = Scene(seed=int(rng.integers(2**31)))
+    scene.time = float(rng.uniform(0.1, 0.45)) if lone else float(rng.uniform(0.05, 0.2))
+    spans: list[tuple[float, float]] = []
+    for part, following in zip(plan, (*plan[1:], None), strict=True):
+        start = scene.time
+        end = _perform_part(scene, part, rng)
+        spans.append((start * FPS, end * FPS))
+        if following:
+            scene.time = end + _gap(part, following, rng)
+    tail = float(rng.uniform(0.15, 0.6)) if lone else float(rng.uniform(0.05, 0.25))
+    if lone:
+        tail = max(tail, (MIN_FRAMES + 2) / FPS - scene.time)
+    if (scene.time + tail) * FPS > MAX_FRAMES + 1:
+        raise _Redraw
+    return _Run(scene.solve(tail=tail), tuple(spans))
+
+
+def _perform_part(scene: Scene, part: Part, rng: np.random.Generator) -> float:
+    assert part.deed is not None
+    start = scene.time
+    end = perform(scene, part.deed.name, **part.deed.params)
+    if part.arms:
+        late = start + float(rng.uniform(0.05, 0.5))
+        end = max(end, perform(scene, part.arms.name, start=late, advance=False, **part.arms.params))
+        scene.time = end
+    return end
+
+
+def _gap(part: Part, following: Part, rng: np.random.Generator) -> float:
+    """A pause, or an overlap where one of the two needs the arms alone."""
+    free = any(p.deed and ACTIONS[p.deed.name].part == "arms" for p in (part, following))
+    return float(rng.uniform(-0.15 if free else 0.0, 0.35))
+
+
+def _capture(part: Part, rng: np.random.Generator) -> _Run:
+    """A captured part: warped, with authored arms where the part has them."""
+    assert part.atom is not None
+    pose = warp(part.atom.pose, float(rng.uniform(0.85, 1.15)))
+    if part.arms:
+        scene = Scene(seed=int(rng.integers(2**31)))
+        perform(scene, part.arms.name, start=0.0, **part.arms.params)
+        over = scene.solve(tail=0.0)
+        if length(over) > length(pose) + 4:
+            raise _Redraw
+        room = max(0, length(pose) - length(over))
+        pose = layer(pose, over, int(rng.integers(min(room, 8) + 1)), ARM_CHANNELS)
+    return _Run(pose, ((0.0, float(length(pose))),))
+
+
+def _tile(spans: tuple[tuple[float, float], ...], frames: int) -> list[int]:
+    """Edges of segments that cover 0..frames, each inner one in the middle of its transition."""
+    inner = [round(0.5 * (end + start)) for (_, end), (start, _) in pairwise(spans)]
+    edges = [0, *inner, frames]
+    if any(b - a < 6 for a, b in pairwise(edges)):
+        raise _Redraw
+    return edges
+
+
+def _captions(plan: tuple[Part, ...], rng: np.random.Generator) -> tuple[Caption, ...]:
+    captions: dict[str, Caption] = {}
+    for _ in range(2 + int(rng.random() < 0.5)):
+        voice = draw_voice(rng)
+        caption = compose_caption(tuple(_phrase(part, voice, rng) for part in plan), voice, rng)
+        captions.setdefault(caption.text, caption)
+    return tuple(captions.values())
+
+
+def _phrase(part: Part, voice: Voice, rng: np.random.Generator) -> Phrase:
+    if part.atom:
+        main = _atom_phrase(part.atom, voice, rng)
+    else:
+        assert part.deed is not None
+        main = entry(part.deed.name).phrase(part.deed.params, voice, rng)
+    if not part.arms:
+        return main
+    return together(main, entry(part.arms.name).phrase(part.arms.params, voice, rng), rng)
+
+
+def _atom_phrase(atom: Atom, voice: Voice, rng: np.random.Generator) -> Phrase:
+    known = atom.name in VOCABULARY
+    if atom.words and (not known or rng.random() < 0.5):
+        return Phrase(atom.words[int(rng.integers(len(atom.words)))])
+    return entry(atom.name).phrase(atom.params, voice, rng)
+
+
+def _part_texts(part: Part) -> tuple[str, str]:
+    arms, legs = "", ""
+    for name, params in part.actions:
+        own = part.atom if part.atom and name == part.atom.name and name not in VOCABULARY else None
+        more = (own.arms, own.legs) if own else parts(name, params)
+        arms, legs = (more[0] or arms, legs or more[1])
+    return arms or STILL, legs or STILL
+
+
+def plain(params: dict[str, Any]) -> dict[str, Any]:
+    """Parameters as JSON can hold them."""
+    return {key: round(value, 3) if isinstance(value, float) else value for key, value in params.items()}
