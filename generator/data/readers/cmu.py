@@ -41,7 +41,8 @@ ASF_UNIT = asf_amc.INCH / 0.45
 class Clip:
     """A HumanML3D clip cut from a take: its id, official split, time span and captions where they are known.
 
-    Times count from the first frame of the capture; what `read_take` gives begins up to 0.13 s later. `mirrored_captions` describe the clip reflected left to right.
+    Times count from the first frame of the capture; what `read_take` gives begins up to 0.13 s later.
+    `mirrored_captions` describe the clip reflected left to right.
     """
 
     id: str

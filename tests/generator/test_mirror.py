@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from generator.data.mirror import mirror_joints, mirror_words
+from ros_free_stack.skeleton import INDEX
+
+WORDS = ["left", "Right", "LEFT", "clockwise", "Counterclockwise", "leftward", "right-handed", "upright", "bright", "a"]
+
+
+@pytest.mark.parametrize(
+    ("text", "mirrored"),
+    [
+        ("a person waves with the left hand", "a person waves with the right hand"),
+        ("Left foot, then RIGHT foot.", "Right foot, then LEFT foot."),
+        ("turns clockwise", "turns counterclockwise"),
+        ("turns counter-clockwise", "turns clockwise"),
+        ("Anti clockwise, to his left", "Clockwise, to his right"),
+        ("leans rightwards, left-handed", "leans leftwards, right-handed"),
+        ("stands upright in bright light", "stands upright in bright light"),
+        ("", ""),
+    ],
+)
+def test_words(text: str, mirrored: str) -> None:
+    assert mirror_words(text) == mirrored
+
+
+@given(st.lists(st.sampled_from(WORDS)).map(" ".join))
+def test_words_twice_is_the_same_text(text: str) -> None:
+    assert mirror_words(mirror_words(text)) == text
+
+
+@given(st.text())
+def test_any_text_twice_changes_spelling_at_most(text: str) -> None:
+    once = mirror_words(text)
+    assert mirror_words(mirror_words(once)) == once
+
+
+def test_joints_swap_sides_and_twice_is_the_same() -> None:
+    joints = np.random.default_rng(0).normal(size=(3, 22, 3))
+    mirrored = mirror_joints(joints)
+    left, right = INDEX["left_wrist"], INDEX["right_wrist"]
+    np.testing.assert_array_equal(mirrored[:, left], joints[:, right] * (1, -1, 1))
+    np.testing.assert_array_equal(mirrored[:, INDEX["head"]], joints[:, INDEX["head"]] * (1, -1, 1))
+    np.testing.assert_array_equal(mirror_joints(mirrored), joints)
