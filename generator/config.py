@@ -51,6 +51,8 @@ class TransformerConfig:
         layout: where the segments lie in time, "exact" (labelled boundaries in training, predicted durations in
             generation) or "uniform" (equal shares, as SegMo does by default).
         condition_dropout: probability of training without text, for classifier-free guidance.
+        sentence_dropout: probability of training without the sentence but with its segments, so that the model
+            relies on what each segment says rather than on whole sentences it has seen.
     """
 
     width: int
@@ -62,6 +64,7 @@ class TransformerConfig:
     quantizers: int
     layout: Literal["exact", "uniform"] = "exact"
     condition_dropout: float = 0.1
+    sentence_dropout: float = 0.2
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,7 @@ class Sampling:
     duration_spread: float = 0.3
 
 
-_SMALL_MASK = TransformerConfig(192, 5, 4, 384, dropout=0.0, codes=512, quantizers=4)
+_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=4)
 _FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
 
 PRESETS: dict[str, Preset] = {

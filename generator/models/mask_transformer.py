@@ -90,9 +90,7 @@ class MaskTransformer(nn.Module):
         return without + scale * (with_text - without)
 
 
-def sample(
-    logits: Tensor, temperature: float, top_k: float, generator: torch.Generator
-) -> tuple[Tensor, Tensor]:
+def sample(logits: Tensor, temperature: float, top_k: float, generator: torch.Generator) -> tuple[Tensor, Tensor]:
     """Draw one code for each (B, T, K) of logits from the best share 1 - `top_k` of them.
 
     Returns: (B, T) codes and (B, T) their probability among all codes.

@@ -46,9 +46,7 @@ class ResidualTransformer(nn.Module):
         return self.output(hidden) @ self.embedding[layer].T + self.bias[layer]
 
     @torch.inference_mode()
-    def generate(
-        self, base: Tensor, condition: Condition, sampling: Sampling, generator: torch.Generator
-    ) -> Tensor:
+    def generate(self, base: Tensor, condition: Condition, sampling: Sampling, generator: torch.Generator) -> Tensor:
         """Base tokens (B, T) to the tokens of all layers (Q, B, T), layer by layer."""
         tokens = base[None]
         for layer in range(1, self.config.quantizers):

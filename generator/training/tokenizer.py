@@ -1,6 +1,7 @@
 """Training of the motion tokenizer: windows of features, weighted by channel so that the root's motion survives."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,8 @@ class TokenizerObjective:
     name = "tokenizer"
 
     def __init__(self, dataset: MotionDataset, config: TokenizerConfig, training: Training, seed: int) -> None:
-        self.config, self.facts = config, {"clips": len(dataset.split("train"))}
+        self.config = config
+        self.facts = {"clips": len(dataset.split("train")), "training": asdict(training)}
         self.model: Any = MotionTokenizer(config, torch.from_numpy(dataset.mean), torch.from_numpy(dataset.std))
         self._dataset, self._training, self._seed = dataset, training, seed
         self._clips = [clip for clip in dataset.split("train") if clip.length >= training.window]

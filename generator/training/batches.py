@@ -1,0 +1,190 @@
+"""Batches of motion tokens with their texts and segment boundaries."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from generator import weights
+from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, TokenizerConfig
+from generator.data.dataset import Clip, MotionDataset
+from generator.models.conditioning import Condition, segment_lengths, stack_lengths, uniform_lengths
+from generator.models.tokenizer import MotionTokenizer
+from generator.training.text_cache import TextTable, text_table
+from generator.training.tokenizer import batches_of_equal_length, feature_batch
+from ros_free_stack.console import progress
+from ros_free_stack.errors import InvalidFile
+
+BUCKET = 12  # batches that are drawn together and then sorted by length, so that little padding is computed
+
+
+@dataclass(frozen=True)
+class TokenClip:
+    """One clip as the transformers see it.
+
+    Attributes:
+        tokens: (Q, n) int16.
+        spans: (start, end) frames of its segments.
+        sentences: (C,) rows of its captions in the table of sentences.
+        segments: (C, A) rows of each caption's segment texts in the table of segments.
+    """
+
+    tokens: np.ndarray
+    spans: tuple[tuple[int, int], ...]
+    weight: float
+    sentences: np.ndarray
+    segments: np.ndarray
+
+
+@dataclass(frozen=True)
+class TokenBatch:
+    """Tokens (Q, B, T), zero on padding, and what they are conditioned on."""
+
+    tokens: Tensor
+    condition: Condition
+
+
+@dataclass(frozen=True)
+class TokenCorpus:
+    """The tokenised data set in memory.
+
+    Attributes:
+        sentences, segments: embeddings of all captions and of all segment texts.
+        tokenizer: digest of the tokenizer's weights.
+    """
+
+    train: tuple[TokenClip, ...]
+    held: tuple[TokenClip, ...]
+    sentences: TextTable
+    segments: TextTable
+    tokenizer: str
+
+    @classmethod
+    def build(cls, dataset: MotionDataset, tokenizer_folder: Path, device: str) -> Self:
+        """Tokenise all clips with a trained tokenizer and embed all their texts.
+
+        Raises:
+            NoWeights: the tokenizer is not trained yet.
+            InvalidFile: a clip does not fit the models (too many segments, too long).
+        """
+        saved = weights.load(tokenizer_folder, "tokenizer")
+        tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig))
+        saved.fill(tokenizer)
+        tokenizer.to(device).eval()
+        captions = [caption for clip in dataset.clips for caption in clip.captions]
+        sentences = text_table(dataset.path, (caption.text for caption in captions))
+        segments = text_table(dataset.path, (text for caption in captions for text in caption.segments))
+
+        def clips(split: str) -> tuple[TokenClip, ...]:
+            chosen = dataset.split(split)
+            for clip in chosen:
+                _check(dataset, clip)
+            tokens = _tokenise(tokenizer, dataset, chosen)
+            return tuple(
+                TokenClip(
+                    codes,
+                    tuple((segment.start, segment.end) for segment in clip.segments),
+                    clip.weight,
+                    sentences.rows(caption.text for caption in clip.captions),
+                    np.stack([segments.rows(caption.segments) for caption in clip.captions]),
+                )
+                for clip, codes in zip(chosen, tokens, strict=True)
+            )
+
+        return cls(clips("train"), clips("val"), sentences, segments, saved.digest)
+
+    def training_texts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Embeddings (N, 384) of the captions and (M, 384) of the segment texts, once for each training clip's use."""
+        sentence_rows = np.concatenate([clip.sentences for clip in self.train])
+        segment_rows = np.concatenate([clip.segments.ravel() for clip in self.train])
+        return (
+            self.sentences.embeddings[sentence_rows].astype(np.float32),
+            self.segments.embeddings[np.unique(segment_rows)].astype(np.float32),
+        )
+
+    def facts(self) -> dict[str, Any]:
+        """What is noted beside the weights of a transformer."""
+        return {"tokenizer": self.tokenizer, "clips": len(self.train)}
+
+
+class TokenBatches:
+    """Training batches as a function of the iteration, and fixed validation batches.
+
+    Args:
+        layout: "exact" takes the labelled boundaries of the segments, "uniform" equal shares.
+    """
+
+    def __init__(self, corpus: TokenCorpus, *, batch: int, layout: str, seed: int) -> None:
+        self._corpus, self._batch, self._layout, self._seed = corpus, batch, layout, seed
+        chance = np.array([clip.weight for clip in corpus.train])
+        self._chance = chance / chance.sum()
+        self._lengths = np.array([clip.tokens.shape[1] for clip in corpus.train])
+        self._drawn: tuple[int, list[np.ndarray]] = (-1, [])
+
+    def training(self, iteration: int) -> TokenBatch:
+        """Clips drawn by weight, each with one of its captions; of similar length within a batch."""
+        number, place = divmod(iteration, BUCKET)
+        if self._drawn[0] != number:
+            rng = np.random.default_rng((self._seed, number))
+            rows = rng.choice(len(self._chance), BUCKET * self._batch, p=self._chance)
+            rows = rows[np.argsort(self._lengths[rows], kind="stable")].reshape(BUCKET, self._batch)
+            self._drawn = number, list(rng.permutation(rows))
+        rng = np.random.default_rng((self._seed, number, place))
+        clips = [self._corpus.train[row] for row in self._drawn[1][place]]
+        return self.collate(clips, [int(rng.integers(len(clip.sentences))) for clip in clips])
+
+    def held(self, count: int) -> list[TokenBatch]:
+        """The first `count` clips of the validation split (of training, where there is none), first captions."""
+        clips = sorted((self._corpus.held or self._corpus.train)[:count], key=lambda clip: clip.tokens.shape[1])
+        chunks = [clips[start : start + self._batch] for start in range(0, len(clips), self._batch)]
+        return [self.collate(chunk, [0] * len(chunk)) for chunk in chunks]
+
+    def collate(self, clips: Sequence[TokenClip], captions: Sequence[int]) -> TokenBatch:
+        """Pad the clips to one batch, each with the caption of the given number."""
+        corpus = self._corpus
+        tokens = nn.utils.rnn.pad_sequence([torch.from_numpy(clip.tokens.T) for clip in clips], batch_first=True)
+        rows = [clip.segments[caption] for clip, caption in zip(clips, captions, strict=True)]
+        segments = np.zeros((len(clips), max(map(len, rows)), corpus.segments.embeddings.shape[1]), np.float32)
+        for texts, row in zip(segments, rows, strict=True):
+            texts[: len(row)] = corpus.segments.embeddings[row]
+        sentences = [clip.sentences[caption] for clip, caption in zip(clips, captions, strict=True)]
+        condition = Condition(
+            torch.from_numpy(corpus.sentences.embeddings[sentences].astype(np.float32)),
+            torch.from_numpy(segments),
+            stack_lengths([self._segment_lengths(clip) for clip in clips]),
+        )
+        return TokenBatch(tokens.permute(2, 0, 1).long(), condition)
+
+    def _segment_lengths(self, clip: TokenClip) -> np.ndarray:
+        if self._layout == "uniform":
+            return uniform_lengths(len(clip.spans), clip.tokens.shape[1])
+        return segment_lengths(clip.spans, clip.tokens.shape[1])
+
+
+def _check(dataset: MotionDataset, clip: Clip) -> None:
+    """InvalidFile unless the models can take the clip."""
+    tokens = clip.length // TOKEN_FRAMES
+    if not 1 <= len(clip.segments) <= min(MAX_SEGMENTS, tokens) or tokens > MAX_TOKENS:
+        raise InvalidFile(
+            dataset.path,
+            f"clip {clip.id} has {len(clip.segments)} segments in {clip.length} frames; valid are 1 to "
+            f"{MAX_SEGMENTS} segments and at most {MAX_TOKENS * TOKEN_FRAMES} frames",
+        )
+    if not clip.captions or any(len(caption.segments) != len(clip.segments) for caption in clip.captions):
+        raise InvalidFile(dataset.path, f"clip {clip.id} needs captions with {len(clip.segments)} segment texts each")
+
+
+def _tokenise(tokenizer: MotionTokenizer, dataset: MotionDataset, clips: Sequence[Clip]) -> list[np.ndarray]:
+    """Tokens (Q, n) int16 of each clip."""
+    tokens = [np.empty(0)] * len(clips)
+    batches = list(batches_of_equal_length(clips))
+    for rows in progress(batches, "tokenising", total=len(batches)):
+        features = feature_batch(dataset, [clips[row] for row in rows], tokenizer.mean.device)
+        codes = tokenizer.encode(features).to(torch.int16).cpu().numpy()
+        for place, row in enumerate(rows):
+            tokens[row] = codes[:, place]
+    return tokens

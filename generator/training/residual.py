@@ -1,0 +1,54 @@
+"""Training of the residual transformer: a random layer at each iteration, given all layers below it."""
+
+from dataclasses import asdict
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from generator.config import Training, TransformerConfig
+from generator.models.residual_transformer import ResidualTransformer
+from generator.training.batches import TokenBatch, TokenBatches, TokenCorpus
+from generator.training.mask import VALIDATION_CLIPS, dropped_conditions
+
+
+class ResidualObjective:
+    """Cross-entropy of the tokens of one residual layer."""
+
+    name = "residual"
+
+    def __init__(self, corpus: TokenCorpus, config: TransformerConfig, training: Training, seed: int) -> None:
+        self.config, self.facts = config, {**corpus.facts(), "training": asdict(training)}
+        self.model: Any = ResidualTransformer(config)
+        self.model.conditioning.fit(*corpus.training_texts())
+        self._batches = TokenBatches(corpus, batch=training.batch, layout=config.layout, seed=seed)
+        self._held = self._batches.held(VALIDATION_CLIPS)
+
+    def loss(self, iteration: int) -> dict[str, Tensor]:
+        batch = self._batches.training(iteration)
+        layer = int(torch.randint(1, self.config.quantizers, ()))
+        keep_sentence, keep_text = dropped_conditions(
+            len(batch.condition.lengths), self.config, self.model.position.device
+        )
+        return self._losses(self.model, batch, layer, keep_sentence, keep_text)
+
+    def validate(self, model: nn.Module) -> dict[str, float]:
+        """Mean over held-out clips and over the layers."""
+        layers = range(1, self.config.quantizers)
+        sums: dict[str, float] = {}
+        for batch in self._held:
+            keep = torch.ones(len(batch.condition.lengths), dtype=torch.bool, device=self.model.position.device)
+            for layer in layers:
+                for name, value in self._losses(model, batch, layer, keep, keep).items():
+                    sums[name] = sums.get(name, 0.0) + float(value) / (len(self._held) * len(layers))
+        return sums
+
+    def _losses(
+        self, model: nn.Module, batch: TokenBatch, layer: int, keep_sentence: Tensor, keep_text: Tensor
+    ) -> dict[str, Tensor]:
+        tokens, condition = batch.tokens.to(keep_text.device), batch.condition.to(keep_text.device)
+        logits = model(tokens[:layer], layer, condition, keep_sentence, keep_text)
+        logits, target = logits[condition.token_mask].float(), tokens[layer][condition.token_mask]
+        loss = functional.cross_entropy(logits, target)
+        return {"loss": loss, "accuracy": (logits.argmax(-1) == target).float().mean()}
