@@ -5,7 +5,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from generator.text.inflection import FINITE_FORMS, GERUNDS, gerund, third_person
-from generator.text.wording import SUBJECT, SUBORDINATORS
+from generator.text.wording import LIMBS, PEOPLE, SUBJECT, SUBORDINATORS
 
 if TYPE_CHECKING:
     from spacy.tokens import Doc, Token
@@ -14,6 +14,9 @@ _COORDINATORS = frozenset({"and", "or", "but", "then", ".", ";"})
 _CONNECTIVES = _COORDINATORS | SUBORDINATORS | {",", "simultaneously"}
 _FINITE_TAGS = frozenset({"VBZ", "VBP", "VBD", "VB"})
 _CLAUSE_LABELS = frozenset({"ROOT", "conj", "ccomp", "parataxis", "dep", "advcl", "appos"})
+_NO_CLAUSE_AFTER = frozenset("to who that which if by without in of for from with".split())
+_COMPARISONS = frozenset({"like", "if", "though", "because"})
+_NEVER_VERBS = frozenset({"left", "right", "jack", "jacks"})
 _POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
 _OTHERS = {"him": "them", "me": "them", "you": "them", "us": "them", "himself": "themselves", "itself": "themselves",
            "herself": "themselves", "yourself": "themselves", "myself": "themselves"}  # fmt: skip
@@ -49,12 +52,12 @@ class Clause:
 
     @property
     def third(self) -> str:
-        """"slowly walks to the left"."""
+        """ "slowly walks to the left"."""
         return _join(self.adverbs, third_person(self.verb), self.rest)
 
     @property
     def gerund(self) -> str:
-        """"slowly walking to the left"."""
+        """ "slowly walking to the left"."""
         return _join(self.adverbs, gerund(self.verb), self.rest)
 
 
@@ -69,6 +72,7 @@ def clauses(doc: "Doc") -> list[Clause]:
         first = _connectives_before(doc, starts[place], floor)
         link_words = {token.text for token in doc[first : starts[place]]}
         together = "simultaneously" in link_words or any(t.text == "simultaneously" for t in doc[starts[place] : end])
+        together = together or (place == 1 and any(t.text == "simultaneously" for t in doc[: heads[0].i]))
         link = Link.WHILE if together and place else _link(head, link_words)
         found.append(
             Clause(
@@ -78,7 +82,7 @@ def clauses(doc: "Doc") -> list[Clause]:
                 rest=_join(_words(doc, head.i + 1, end), _words(doc, 0, first) if place == 0 else ""),
                 link=link,
                 leading=link is not Link.NEXT and (place == 0 or bool(link_words & _COORDINATORS)) and not together,
-                parallel=place > 0 and not link_words & SUBORDINATORS and _is_parallel(head, heads[place - 1]),
+                parallel=place > 0 and not link_words & SUBORDINATORS and _is_parallel(heads, place),
                 plain_and=bool(link_words) and link_words <= {"and", ","},
                 new_sentence=bool(link_words & {".", ";"}),
             )
@@ -87,30 +91,38 @@ def clauses(doc: "Doc") -> list[Clause]:
 
 
 def _is_head(token: "Token") -> bool:
-    if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS):
-        return not (token.dep_ in {"aux"} and _has_later_participle(token))
-    if token.tag_ == "VBG" or (token.text in GERUNDS and token.pos_ == "VERB"):
-        return _is_gerund_head(token)
-    if token.tag_ not in _FINITE_TAGS or token.dep_ in {"aux", "xcomp"}:
+    before_jacks = token.i + 1 < len(token.doc) and token.nbor().text in {"jack", "jacks"}
+    if token.text in _NEVER_VERBS or before_jacks or any(child.dep_ == "auxpass" for child in token.children):
         return False
-    return token.dep_ in _CLAUSE_LABELS and _governor(token) not in {"to", "who", "that", "which", "if"}
+    if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS | {"VBG"}):
+        return not _is_auxiliary(token)
+    if token.tag_ == "VBG" or token.text in GERUNDS:
+        return _is_gerund_head(token)
+    if token.dep_ not in _CLAUSE_LABELS or _governor(token) in _NO_CLAUSE_AFTER:
+        return False
+    if token.tag_ == "NNS":  # a rare verb that the tagger took for a noun: "he juggles and meditates"
+        return token.dep_ == "conj" and token.head.tag_ == "VBZ" and token.n_lefts == 0 and _is_head(token.head)
+    participle = token.tag_ == "VBD" and _governor(token) in LIMBS  # "with the arms stretched out"
+    return token.tag_ in _FINITE_TAGS and not participle
 
 
-def _has_later_participle(auxiliary: "Token") -> bool:
+def _is_auxiliary(token: "Token") -> bool:
     """True for the "is" of "is walking", false for that of "is pushed", which is itself the verb to inflect."""
-    return auxiliary.head.tag_ == "VBG" or (auxiliary.lemma_ == "have" and auxiliary.head.tag_ == "VBN")
+    walking = token.lemma_ == "be" and token.head.tag_ == "VBG"
+    has_walked = token.lemma_ == "have" and token.head.tag_ == "VBN"
+    return token.dep_ == "aux" and (walking or has_walked)
 
 
 def _is_gerund_head(token: "Token") -> bool:
-    if token.dep_ in {"amod", "compound", "xcomp", "nsubj"} and _governor(token) not in SUBORDINATORS:
-        return False
-    progressive = any(child.dep_ == "aux" and child.lemma_ == "be" for child in token.children)
     governor = _governor(token)
-    if progressive or governor in SUBORDINATORS:
-        return governor not in {"who", "that", "which", "if"}
-    if governor in {"and", ",", "or"} and token.dep_ in {"conj", "advcl", "acl", "dep", "pcomp"}:
+    compared = any(child.dep_ == "mark" and child.text in _COMPARISONS for child in token.children)
+    if governor in _NO_CLAUSE_AFTER or compared:
+        return False
+    if governor in SUBORDINATORS or any(child.dep_ == "aux" and child.lemma_ == "be" for child in token.children):
         return True
-    return token.dep_ == "advcl" and governor not in {"if", "by", "without", "in", "of", "for"}
+    if governor in {"and", "or", ","}:
+        return token.text in GERUNDS or token.dep_ in {"conj", "advcl"}
+    return token.dep_ == "advcl"
 
 
 def _governor(token: "Token") -> str:
@@ -140,10 +152,8 @@ def _start(head: "Token") -> int:
 
 def _subject(doc: "Doc", start: int, head: "Token") -> str:
     """The words of a subject that is no human being, "" for one that is (or none)."""
-    if doc[start].text == SUBJECT or doc[start].tag_ in {"RB", "MD"} or start == head.i:
-        return ""
-    nouns = [token for token in doc[start : head.i] if token.dep_ not in {"aux", "auxpass", "neg", "advmod"}]
-    return " ".join(token.text for token in nouns)
+    nouns = [token.text for token in doc[start : head.i] if token.dep_ not in {"aux", "auxpass", "neg", "advmod"}]
+    return "" if not nouns or nouns[-1] in PEOPLE else " ".join(nouns)
 
 
 def _connectives_before(doc: "Doc", start: int, floor: int) -> int:
@@ -157,14 +167,21 @@ def _link(head: "Token", words: set[str]) -> Link:
         return Link.AFTER
     if "before" in words:
         return Link.BEFORE
-    participle = head.tag_ == "VBG" and not any(child.lemma_ == "be" for child in head.children)
+    participle = head.tag_ == "VBG" and _governor(head) != SUBJECT
     return Link.WHILE if words & {"while", "as", "when"} or participle else Link.NEXT
 
 
-def _is_parallel(head: "Token", previous: "Token") -> bool:
-    """A gerund coordinated with another verb in -ing: "after waving and clapping", "is standing and waving"."""
-    is_gerund = head.tag_ == "VBG" and previous.tag_ == "VBG"
-    return is_gerund and head.dep_ == "conj"
+def _is_parallel(heads: list["Token"], place: int) -> bool:
+    """A gerund coordinated with another verb in -ing: "after waving and clapping", "is standing and waving".
+
+    After a mere comma it is so only within a list that an "and" ends, else it is a participle: "is dancing, raising
+    the hands".
+    """
+    head, previous, following = heads[place], heads[place - 1], heads[place + 1 : place + 2]
+    if not (head.text.endswith("ing") and previous.text.endswith("ing")):
+        return False
+    in_list = bool(following) and following[0].text.endswith("ing") and _governor(following[0]) == "and"
+    return _governor(head) in {"and", "or"} or (_governor(head) == "," and in_list)
 
 
 def _base(head: "Token") -> str:
@@ -172,11 +189,11 @@ def _base(head: "Token") -> str:
 
 
 def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> str:
-    while end > start and doc[end - 1].text in _CONNECTIVES - {"."} | {"."}:
+    while end > start and doc[end - 1].text in _CONNECTIVES:
         end -= 1
     words: list[str] = []
     for token in doc[start:end]:
-        if token.text in {"simultaneously", ".", ";"} or (adverbs_only and token.tag_ != "RB"):
+        if token.text in {"simultaneously", ".", ";", SUBJECT} or (adverbs_only and token.tag_ != "RB"):
             continue
         if token.text in _POSSESSIVES or (token.text == "her" and token.tag_ == "PRP$"):
             if not (words and words[-1] in {"both", "all", "the"}):
@@ -187,4 +204,6 @@ def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> s
 
 
 def _join(*parts: str) -> str:
-    return " ".join(part for part in parts if part).replace(" ,", ",").replace(" 's", "'s").strip(", ")
+    return (
+        " ".join(part for part in parts if part).replace(" ,", ",").replace(" 's", "'s").replace(" - ", "-").strip(", ")
+    )

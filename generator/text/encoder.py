@@ -139,9 +139,7 @@ class TextEncoder:
         ids = [encoding.ids for encoding in self._tokenizer.encode_batch(list(texts))]
         for text, row in zip(texts, ids, strict=True):
             if len(row) > MAX_TOKENS:
-                raise InvalidPrompt(
-                    f"{text[:40]!r}... has {len(row)} tokens, the text encoder takes {MAX_TOKENS}"
-                )
+                raise InvalidPrompt(f"{text[:40]!r}... has {len(row)} tokens, the text encoder takes {MAX_TOKENS}")
         return ids
 
     def _run(self, ids: list[list[int]]) -> Iterator[tuple[list[int], torch.Tensor, torch.Tensor]]:
@@ -152,9 +150,7 @@ class TextEncoder:
             starts = progress(starts, "encoding texts", total=len(starts))
         for start in starts:
             rows = order[start : start + BATCH]
-            padded = torch.nn.utils.rnn.pad_sequence(
-                [torch.tensor(ids[row]) for row in rows], batch_first=True
-            )
+            padded = torch.nn.utils.rnn.pad_sequence([torch.tensor(ids[row]) for row in rows], batch_first=True)
             lengths = torch.tensor([len(ids[row]) for row in rows])
             used = torch.arange(padded.shape[1]) < lengths[:, None]
             with torch.inference_mode():

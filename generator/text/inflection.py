@@ -9,14 +9,14 @@ from types import MappingProxyType
 
 MOTION_VERBS = frozenset(
     """
-    accelerate advance approach balance beckon bend bend bounce bow box brace bring brush carry cartwheel catch chop
+    accelerate advance approach balance beckon bend bounce bow box brace bring brush carry cartwheel catch chop
     circle clap clean clench climb close collapse come cover crawl creep cross crouch curl curtsy dab dance dash dip
     dive do dodge drag drink drop duck dust elbow enter exit extend face fall fight flail flap flex flip fold
-    freeze gallop gesture get give glance go grab greet grip hit hold hop hug hunch hurdle hurry imitate inspect jab
+    freeze gallop gesture get give glance go grab greet grip halt hit hold hop hug hunch hurdle hurry imitate inspect jab
     jerk jog juggle jump kick kneel knock lean leap lie lift limp look lower lunge lurch make march mime mimic move
     nod open pace paddle pantomime pat pause perform pick pivot place play point pose pour practise practice prance
-    pray press pretend proceed pull pump punch push put raise reach rest retreat return ride rise roll rotate rub run
-    rush salute saunter scoop scratch scurry sway seem shadowbox shake shift shiver shrug shuffle sidestep sit skate
+    pray press pretend proceed pull pump punch push put raise rock recover reach rest retreat return ride rise roll rotate rub run
+    rush salute saunter scoop scratch scurry sway seem shadowbox shake shift shiver shrug shuffle sidestep set sit skate
     skip slam slap slide slip slouch smash sneak spin spread sprint squat squeeze stagger stamp stand start stay
     steady step stir stomp stoop stop straighten stretch stride strike stroll strut stumble swat sweep swim swing
     swipe take tap throw tilt tiptoe toss touch trip trot trudge tug tumble turn twirl twist type uncross unfold
@@ -29,7 +29,7 @@ _IRREGULAR_PAST = {
     "bend": "bent", "bring": "brought", "catch": "caught", "come": "came", "creep": "crept", "do": "did",
     "drink": "drank", "fall": "fell", "fight": "fought", "freeze": "froze", "get": "got", "give": "gave", "go": "went",
     "hit": "hit", "hold": "held", "kneel": "knelt", "leap": "leapt", "lie": "lay", "make": "made", "put": "put",
-    "ride": "rode", "rise": "rose", "run": "ran", "shake": "shook", "sit": "sat", "slide": "slid", "spin": "spun",
+    "ride": "rode", "rise": "rose", "run": "ran", "set": "set", "shake": "shook", "sit": "sat", "slide": "slid", "spin": "spun",
     "spread": "spread", "stand": "stood", "stride": "strode", "strike": "struck", "sweep": "swept", "swim": "swam",
     "swing": "swung", "take": "took", "throw": "threw", "weave": "wove",
 }  # fmt: skip
@@ -38,7 +38,7 @@ _ONE_SHORT_SYLLABLE = re.compile(r"[^aeiou]*(?:qu)?[aeiouy][^aeiouwxy]")
 
 
 def third_person(base: str) -> str:
-    """"wave" to "waves", "catch" to "catches", "carry" to "carries"."""
+    """ "wave" to "waves", "catch" to "catches", "carry" to "carries"."""
     if base in _IRREGULAR_THIRD:
         return _IRREGULAR_THIRD[base]
     if re.search(r"(?:s|x|z|ch|sh|o)$", base):
@@ -49,7 +49,7 @@ def third_person(base: str) -> str:
 
 
 def gerund(base: str) -> str:
-    """"wave" to "waving", "run" to "running", "lie" to "lying"."""
+    """ "wave" to "waving", "run" to "running", "lie" to "lying"."""
     if base.endswith("ie"):
         return f"{base[:-2]}ying"
     if base != "be" and re.search(r"[^eoy]e$", base):
@@ -58,7 +58,7 @@ def gerund(base: str) -> str:
 
 
 def past(base: str) -> str:
-    """"wave" to "waved", "clap" to "clapped", "throw" to "threw"."""
+    """ "wave" to "waved", "clap" to "clapped", "throw" to "threw"."""
     if base in _IRREGULAR_PAST:
         return _IRREGULAR_PAST[base]
     if base.endswith("e"):

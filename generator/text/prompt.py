@@ -46,14 +46,14 @@ def check_prompt(prompt: str) -> str:
 
 
 def _is_english(words: list[str]) -> bool:
-    """More of the words are known as English than as function words of any other language."""
+    """At least as many words are known as English as are function words of any one other language."""
     if not all(_is_latin(word) for word in words):
         return False
     english = [word in _english_words() and word not in _SPELT_ALIKE for word in words]
     others = [sum(word in stops for word in words) for stops in _stop_words_elsewhere()]
     if not any(english):
-        return max(others) == 0 and len(words) <= MAX_WORDS_WITHOUT_ENGLISH
-    return sum(english) > max(others)
+        return max(others) == 0 and len(words) <= MAX_WORDS_WITHOUT_ENGLISH and "".join(words).isascii()
+    return sum(english) >= max(others)
 
 
 def _is_latin(word: str) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from generator.text.clauses import Clause, Link, clauses
 from generator.text.prompt import check_prompt
-from generator.text.wording import plain_wording, with_subjects
+from generator.text.wording import LIMBS, plain_wording, with_subjects
 from ros_free_stack.errors import InvalidPrompt, MissingDependency
 
 if TYPE_CHECKING:
@@ -23,9 +23,8 @@ _POSTURE_CHANGES = frozenset({"up", "down", "back", "upright"})
 _DESCENTS = frozenset({"squat", "crouch", "kneel", "bend", "bow", "duck", "lean", "dip", "lunge", "stoop", "curtsy"})
 _RISES = frozenset({"stand", "get", "rise", "come", "return", "straighten", "go", "raise"})
 _RISEN = frozenset({"up", "upright", "standing", "again"})
-_LIFTS = frozenset({"raise", "lift", "extend", "stretch", "put", "bring", "hold", "reach", "cross", "spread", "move"})
-_UNDOINGS = frozenset({"lower", "drop", "put", "bring", "return", "let", "take", "uncross", "relax", "retract"})
-_LIMBS = frozenset({"arm", "arms", "hand", "hands", "leg", "legs", "foot", "knee"})
+_LIFTS = frozenset({"raise", "lift", "extend", "stretch", "put", "bring", "hold", "reach", "cross", "spread", "kick"})
+_UNDOINGS = frozenset({"lower", "drop", "put", "bring", "return", "let", "take", "uncross", "relax", "set"})
 
 
 @dataclass
@@ -133,19 +132,19 @@ def _completes(moment: _Moment, second: Clause) -> bool:
 
 
 def _rises_again(first: Clause, second: Clause) -> bool:
-    """"squats down and stands up"; of sitting only with a plain "and", as one may well stay seated."""
+    """ "squats down and stands up"; of sitting only with a plain "and", as one may well stay seated."""
     rises = second.verb in _RISES and _RISEN & set(second.rest.split())
     sits_down = first.verb in {"sit", "lie"} and second.plain_and
     return bool(rises) and (first.verb in _DESCENTS or sits_down)
 
 
 def _undoes(first: Clause, second: Clause) -> bool:
-    """"raises both arms and lowers them": the object is a pronoun or the same limb."""
-    objects = set(second.rest.split())
-    same = objects & {"it", "them"} or objects & _LIMBS & set(first.rest.split())
+    """ "raises both arms and lowers them": the object is a pronoun or the same limb."""
+    objects = second.rest.split()
+    same = {"it", "them"} & set(objects[:2]) or LIMBS & set(objects) & set(first.rest.split())
     return first.verb in _LIFTS and second.verb in _UNDOINGS and bool(same)
 
 
 def _picks_up(first: Clause, second: Clause) -> bool:
-    """"bends down and picks up a ball"."""
+    """ "bends down and picks up a ball"."""
     return first.verb in _DESCENTS | {"reach"} and second.verb in {"pick", "grab"} and second.plain_and

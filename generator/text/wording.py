@@ -24,7 +24,9 @@ _THEN = re.compile(
     r"(?:then )?finally|lastly|at last|in the end|at the end|eventually|next(?! to)|second(?:ly)(?=[ ,])|"
     r"third(?:ly)(?=[ ,])|(?:which is |is )?followed by)|and then)\b"
 )
-_FIRST = re.compile(r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? ")
+_FIRST = re.compile(
+    r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
+)
 _TOGETHER = re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?")
 _HEDGES = re.compile(r"\b(?:appears?|seems?|is seen|can be seen) (?:to be |to |(?=\w+ing))")
 _TIMES = re.compile(rf"\b(?:x ?(\d+)|({_NUMBER}) ?(?:x|times?|×))(?![\w])")
@@ -34,15 +36,21 @@ OPENERS = frozenset({"", ".", ";", ",", "and", "or", "but", "then", "simultaneou
 SUBORDINATORS = frozenset({"after", "before", "while", "as", "when"})
 SUBJECT = "he"
 
-_PEOPLE = (
-    "person|man|woman|guy|boy|girl|lady|gentleman|human|humanoid|individual|figure|character|robot|actor|dancer|kid|child|"
-    "stick figure|stickman|subject|male|female"
+PEOPLE = frozenset(
+    """
+    person man woman guy boy girl lady gentleman human humanoid individual figure character robot actor dancer kid
+    child stickman subject male female someone somebody he she they you we i
+    """.split()
 )
 _HUMAN_SUBJECT = re.compile(
-    rf"\b(?:(?:(?:an?|the|this|that|some|another|one) (?:[a-z]+ )?)?(?:{_PEOPLE})|someone|somebody|she|they|you|we|i)"
-    r"(?='s (?!left|right|both)| (?!'s))(?:'s\b)?(?! in front)"
+    r"(^|[.,;] |\b(?:and|or|but|then|simultaneously|after|before|while|as|when) )"
+    rf"(?:(?:an?|the|this|that|some|another|one) (?:[a-z]+ )?)?(?:{'|'.join(sorted(PEOPLE))})(?:'s)? (?!and |or )"
 )
-_LIMB = r"hands?|arms?|legs?|foot|feet|head|knees?|elbows?|shoulders?"
+_MISPLACED_THEN = re.compile(rf"\b{SUBJECT} then\b")
+LIMBS = frozenset(
+    "hand hands arm arms leg legs foot feet head knee knees elbow elbows shoulder shoulders palm palms".split()
+)
+_LIMB = "|".join(sorted(LIMBS))
 _LIMB_SUBJECT = re.compile(
     rf"(^|[.,;] |\b(?:and|then|simultaneously) )((?:the|his|her|their|your|both|a|one|a person's|the person's)"
     rf"(?: (?:left|right|other|both))? (?:{_LIMB})) ((?:is|are|was|were) (?:being )?)?([a-z]+)\b"
@@ -83,7 +91,7 @@ def with_subjects(text: str) -> str:
 
     A gerund that begins the text is a verb ("waving" is "he waves"), and so are those coordinated with it.
     """
-    text = _HUMAN_SUBJECT.sub(SUBJECT, text)
+    text = _MISPLACED_THEN.sub(f"then {SUBJECT}", _HUMAN_SUBJECT.sub(rf"\1{SUBJECT} ", text))
     text = _LIMB_SUBJECT.sub(_limb_subject, _NOUN_ACTION.sub(_noun_action, text))
     words = _WORD.findall(text)
     out: list[str] = []
@@ -92,9 +100,9 @@ def with_subjects(text: str) -> str:
         adverbs = _trailing_adverbs(out)
         before = out[-1 - adverbs] if len(out) > adverbs else ""
         following = words[place + 1] if place + 1 < len(words) else ""
-        if before == SUBJECT and word in FINITE_FORMS:
-            out.append(third_person(FINITE_FORMS[word]))
-            gerunds_are_verbs = False
+        if before == SUBJECT and (word in FINITE_FORMS or word in GERUNDS):
+            out.append(third_person(FINITE_FORMS.get(word) or GERUNDS[word]))
+            gerunds_are_verbs = word in GERUNDS
         elif before in OPENERS and (base := _opening_verb(word, following, gerunds=gerunds_are_verbs)):
             out.insert(len(out) - adverbs, SUBJECT)
             out.append(third_person(base))
@@ -119,7 +127,7 @@ def _opening_verb(word: str, following: str, *, gerunds: bool) -> str | None:
 
 
 def _noun_action(found: re.Match[str]) -> str:
-    """"a bow" to "does a bow", "after a bow" to "after doing a bow"; other nouns are left alone."""
+    """ "a bow" to "does a bow", "after a bow" to "after doing a bow"; other nouns are left alone."""
     opener, quantity, noun = found.groups()
     compound = " " in noun
     if not compound and not (quantity and noun in FINITE_FORMS):
@@ -129,7 +137,7 @@ def _noun_action(found: re.Match[str]) -> str:
 
 
 def _limb_subject(found: re.Match[str]) -> str:
-    """"the left hand waves" to "he waves with the left hand", "the left arm is raised" to "he raises the left arm"."""
+    """ "the left hand waves" to "he waves with the left hand", "the left arm is raised" to "he raises the left arm"."""
     opener, limb, passive, verb = found.groups()
     base = FINITE_FORMS.get(verb) or GERUNDS.get(verb)
     if base is None:

@@ -1,0 +1,54 @@
+from pathlib import Path
+
+import pytest
+
+from generator.text.splitter import MAX_SEGMENTS, PERSON, Splitter
+from ros_free_stack.errors import InvalidPrompt
+
+CASES = [
+    tuple(line.split("\t"))
+    for line in Path(__file__).with_name("splitter_cases.tsv").read_text(encoding="utf-8").splitlines()
+    if line and not line.startswith("#")
+]
+
+
+@pytest.fixture(scope="module")
+def splitter() -> Splitter:
+    return Splitter()
+
+
+@pytest.mark.parametrize(("prompt", "expected"), CASES)
+def test_sentence(splitter: Splitter, prompt: str, expected: str) -> None:
+    assert splitter.split(prompt) == tuple(f"{PERSON} {segment.strip()}" for segment in expected.split("|"))
+
+
+def test_the_table_is_wide() -> None:
+    assert len({prompt for prompt, _ in CASES}) >= 120
+
+
+@pytest.mark.parametrize("expected", sorted({expected for _, expected in CASES}))
+def test_segments_are_a_fixed_point(splitter: Splitter, expected: str) -> None:
+    """What the splitter writes it reads again as the same single segment."""
+    for segment in expected.split("|"):
+        text = f"{PERSON} {segment.strip()}"
+        assert splitter.split(text) == (text,)
+
+
+def test_five_actions_pass(splitter: Splitter) -> None:
+    assert len(splitter.split("walk, wave, bow, jump, then clap")) == MAX_SEGMENTS
+
+
+def test_more_than_five_actions_are_refused(splitter: Splitter) -> None:
+    with pytest.raises(InvalidPrompt, match="describes 7 actions in order, at most 5"):
+        splitter.split("walk, wave, bow, jump, clap, squat and kick")
+
+
+@pytest.mark.parametrize("prompt", ["", "eine Person winkt mit der rechten Hand", "wave " * 200])
+def test_unusable_prompts_are_refused(splitter: Splitter, prompt: str) -> None:
+    with pytest.raises(InvalidPrompt):
+        splitter.split(prompt)
+
+
+def test_other_subjects_are_kept(splitter: Splitter) -> None:
+    assert splitter.split("the stock market fell") == ("the stock market falls",)
+    assert splitter.split("a dog eats a sandwich") == ("a dog eats a sandwich",)
