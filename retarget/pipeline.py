@@ -1,0 +1,97 @@
+"""From a human motion to a robot's trajectory: align, scale, plan footsteps, solve, balance, report."""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from retarget.geometry import RobotGeometry, measure
+from retarget.human import align
+from retarget.report import RetargetReport, make_report
+from retarget.solver import FrameSolver, Solution
+from retarget.targets import Targets, make_targets
+from retarget.timeline import plan_timeline
+from ros_free_stack.errors import InvalidOption
+from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
+from ros_free_stack.robots import RobotDescription
+
+
+@dataclass(frozen=True)
+class RetargetResult:
+    """A trajectory and what had to be given up for it."""
+
+    trajectory: RobotTrajectory
+    report: RetargetReport
+
+
+class Retargeter:
+    """A robot made ready once for many motions."""
+
+    def __init__(self, robot: RobotDescription) -> None:
+        """Measure the robot and build its solver.
+
+        Raises:
+            UnsupportedModel: the robot's model lacks something that retargeting needs.
+        """
+        started = perf_counter()
+        self.robot = robot
+        self._geometry = measure(robot)
+        self._solver = FrameSolver(self._geometry)
+        self.preparation_s = perf_counter() - started
+
+    def retarget(self, motion: HumanMotion, *, fps: float = 50.0) -> RetargetResult:
+        """See `retarget`."""
+        if not (np.isfinite(fps) and fps > 0):
+            raise InvalidOption("fps", f"expected a positive number, found {fps}")
+        times = {"prepare": self.preparation_s}
+        started = perf_counter()
+        clip = align(motion)
+        targets = make_targets(clip, self._geometry, plan_timeline(clip.duration_s, fps))
+        times["targets"] = perf_counter() - started
+        started = perf_counter()
+        solution = self._solver.solve(targets)
+        times["solve"] = perf_counter() - started
+        return RetargetResult(
+            trajectory=self._trajectory(targets, solution),
+            report=make_report(self._geometry, targets, solution, None, times),
+        )
+
+    def _trajectory(self, targets: Targets, solution: Solution) -> RobotTrajectory:
+        quaternions = solution.qpos[:, 3:7]
+        return RobotTrajectory(
+            robot=self.robot.name,
+            model_sha256=self.robot.sha256,
+            joint_names=self.robot.joint_names,
+            fps=targets.fps,
+            root_pos=solution.qpos[:, :3],
+            root_quat=quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True),
+            joint_pos=solution.qpos[:, self._geometry.qpos_index],
+            contacts=_resting(self._geometry, targets, solution),
+            foot_names=self.robot.foot_names,
+        )
+
+
+def retarget(motion: HumanMotion, robot: RobotDescription, *, fps: float = 50.0) -> RetargetResult:
+    """Make a robot's trajectory of a human motion.
+
+    The trajectory starts and ends in the robot's standing pose at rest, and keeps range, speed and acceleration limits
+    of every joint exactly. What the robot cannot reach is left out and reported, never an error.
+
+    Args:
+        motion: the human motion.
+        robot: the robot.
+        fps: frame rate of the trajectory, Hz.
+
+    Raises:
+        InvalidOption: `fps` is not a positive number.
+        UnsupportedModel: the robot's model lacks something that retargeting needs.
+    """
+    return Retargeter(robot).retarget(motion, fps=fps)
+
+
+def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:
+    """(N, F) contacts of feet that do rest on their footholds; a foot that moves is no support."""
+    return targets.contacts & ~solution.released & (solution.foot_error < 0.05 * geometry.ankle_height)
+
+
+__all__ = ["Floats", "RetargetResult", "Retargeter", "retarget"]

@@ -1,0 +1,118 @@
+"""What retargeting had to give up, in words and numbers: limb errors, joints at their limits, feet that slipped."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from retarget.footsteps import runs
+from retarget.geometry import RobotGeometry
+from retarget.solver import Solution
+from retarget.targets import Targets
+
+GIVEN_UP_SHARE = 0.1
+"""A limb farther from its target than this share of the robot's leg length has been given up."""
+
+
+@dataclass(frozen=True)
+class LimbError:
+    """Distance of a robot point to its target, cm."""
+
+    mean: float
+    max: float
+
+
+@dataclass(frozen=True)
+class GivenUp:
+    """A limb that could not follow: when (s), by how many cm at worst, and the joints at a limit meanwhile."""
+
+    limb: str
+    start_s: float
+    end_s: float
+    worst_cm: float
+    joints: tuple[str, ...]
+
+    def __str__(self) -> str:
+        cause = f" ({', '.join(self.joints)} at the limit)" if self.joints else ""
+        return f"{self.limb}: {self.worst_cm:.1f} cm off at {self.start_s:.2f} to {self.end_s:.2f} s{cause}"
+
+
+@dataclass(frozen=True)
+class RetargetReport:
+    """The outcome of a retargeting.
+
+    Attributes:
+        position_error_cm: mean and largest error of every followed point and sole.
+        limited_joints: share of frames in which each joint was held by its range, speed or acceleration limit.
+        given_up: limbs that could not follow their targets, and when.
+        slipped_contact_s: time in which a standing foot could not be kept on its foothold, all feet together.
+        flight_s: time without any foot on the floor; the balance pass leaves it as it is.
+        zmp_outside_cm: how far the zero moment point leaves the support polygon, (mean, max), before and after
+            balancing; None without the balance pass.
+        timings_s: seconds of each step.
+    """
+
+    position_error_cm: dict[str, LimbError]
+    limited_joints: dict[str, float]
+    given_up: tuple[GivenUp, ...]
+    slipped_contact_s: float
+    flight_s: float
+    zmp_outside_cm: dict[str, LimbError] | None = None
+    timings_s: dict[str, float] = field(default_factory=dict[str, float])
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+def limb_errors(geometry: RobotGeometry, solution: Solution) -> dict[str, np.ndarray]:
+    """(N,) distance to the target in m of every followed point and sole."""
+    errors = dict(zip(geometry.followed, solution.point_error.T, strict=True))
+    soles = {f"{foot.name}_sole": error for foot, error in zip(geometry.feet, solution.foot_error.T, strict=True)}
+    return errors | soles
+
+
+def make_report(
+    geometry: RobotGeometry,
+    targets: Targets,
+    solution: Solution,
+    zmp_outside_cm: dict[str, LimbError] | None,
+    timings_s: dict[str, float],
+) -> RetargetReport:
+    """Collect the report of a solved clip."""
+    errors = limb_errors(geometry, solution)
+    shares = solution.limited.mean(axis=0)
+    return RetargetReport(
+        position_error_cm={
+            limb: LimbError(100 * float(error.mean()), 100 * float(error.max())) for limb, error in errors.items()
+        },
+        limited_joints={
+            name: float(share) for name, share in zip(geometry.robot.joint_names, shares, strict=True) if share > 0
+        },
+        given_up=tuple(_given_up(geometry, targets, solution, errors)),
+        slipped_contact_s=float(solution.released.sum()) / targets.fps,
+        flight_s=float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
+        zmp_outside_cm=zmp_outside_cm,
+        timings_s=timings_s,
+    )
+
+
+def _given_up(
+    geometry: RobotGeometry, targets: Targets, solution: Solution, errors: dict[str, np.ndarray]
+) -> list[GivenUp]:
+    threshold = GIVEN_UP_SHARE * geometry.length("left_hip", "left_knee", "left_ankle")
+    names = np.array(geometry.robot.joint_names)
+    found: list[GivenUp] = []
+    for limb, error in errors.items():
+        for start, end in runs(error > threshold):
+            limited = names[solution.limited[start:end].any(axis=0)]
+            found.append(
+                GivenUp(
+                    limb,
+                    start / targets.fps,
+                    end / targets.fps,
+                    100 * float(error[start:end].max()),
+                    tuple(str(name) for name in limited),
+                )
+            )
+    return found
