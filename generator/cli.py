@@ -54,3 +54,39 @@ class Train(Command):
                 return 130
         self.report(results, *(f"{stage}: {self.out / stage}" for stage in results))
         return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Generate(Command):
+    """Generate human motion from a sentence."""
+
+    prompt: Annotated[str, tyro.conf.Positional]
+    """What the person does, in English, e.g. "a person waves, then bows"."""
+    out: Path = Path("human_motion.npz")
+    """File to write; further candidates get a number in their name."""
+    seed: int = 0
+    """Same seed, same motion."""
+    candidates: int = 1
+    """How many motions to make."""
+    duration: float | None = None
+    """Total duration in s, 2 to 9.8; from the sentence where not given."""
+    weights: Path | None = None
+    """Folder of trained models; the ones that come with the program where not given."""
+
+    def run(self) -> int:
+        from generator.generate import WEIGHTS_FOLDER, MotionGenerator
+        from generator.text.splitter import Splitter
+        from ros_free_stack.files import make_folder, save_motion
+
+        segments = Splitter().split(self.prompt)
+        motions = MotionGenerator.load(self.weights or WEIGHTS_FOLDER).generate(
+            self.prompt, segments, seed=self.seed, candidates=self.candidates, duration_s=self.duration
+        )
+        make_folder(self.out.parent)
+        paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
+        for path, motion in zip(paths, motions, strict=True):
+            save_motion(path, motion)
+        lines = [f"{s.start_s:5.1f} to {s.end_s:4.1f} s  {s.text}" for s in motions[0].segments]
+        found = {"files": [str(path) for path in paths], "segments": [vars(s) for s in motions[0].segments]}
+        self.report(found, *lines, *(f"wrote {path}" for path in paths))
+        return 0

@@ -1,10 +1,12 @@
 """How long a segment lasts, from its text."""
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-from generator.config import MAX_SEGMENTS, TEXT_WIDTH, DurationsConfig
-from generator.models.conditioning import WhitenedText
+from generator.config import MAX_SEGMENTS, MAX_TOKENS, MIN_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, DurationsConfig
+from generator.models.conditioning import WhitenedText, check_segments
+from ros_free_stack.skeleton import FPS
 
 MIN_LOG_STD, MAX_LOG_STD = -3.0, 1.0
 
@@ -33,3 +35,18 @@ class DurationModel(nn.Module):
         around = torch.cat([place[:, None] == steps, count[:, None] - 1 == steps], dim=1).to(text.dtype)
         mean, log_std = self.network(torch.cat([self.white(text), around], dim=1)).float().unbind(-1)
         return mean, log_std.clamp(MIN_LOG_STD, MAX_LOG_STD)
+
+
+def whole_tokens(durations_s: np.ndarray) -> np.ndarray:
+    """Durations (A,) in s to whole tokens (A,), at least one each, with rounding errors that do not add up.
+
+    A total outside of what the models take, 2 to 9.8 s, stretches or shrinks all segments alike.
+    """
+    wanted = durations_s * FPS / TOKEN_FRAMES
+    total = min(max(round(wanted.sum()), MIN_TOKENS), MAX_TOKENS)
+    check_segments(len(wanted), total)
+    ends = np.cumsum(wanted / wanted.sum() * total)
+    edges = [0]
+    for i, end in enumerate(ends, start=1):
+        edges.append(min(max(round(end), edges[-1] + 1), total - (len(ends) - i)))
+    return np.diff(edges)

@@ -75,7 +75,7 @@ class MaskTransformer(nn.Module):
             # Tokens of earlier steps and padding rank last, so that only this step's least sure ones are masked again.
             surety = chance.masked_fill(~masked | ~condition.token_mask, torch.inf)
             again = (math.cos(math.pi / 2 * step / sampling.steps) * length).floor().long()
-            rank = surety.argsort(1, stable=True).argsort(1)
+            rank = surety.argsort(dim=1, stable=True).argsort(1)
             tokens = tokens.masked_fill((rank < again[:, None]) & masked & condition.token_mask, self.mask_token)
         return tokens.masked_fill(~condition.token_mask, 0)
 
