@@ -1,0 +1,108 @@
+"""Checks of contact in the reference itself: with the own body, with the floor, and of feet that should stand."""
+
+import numpy as np
+
+from ros_free_stack.messages import Check, Floats
+from sim.reference import Reference
+from sim.thresholds import Threshold
+
+LOW_SOLE_M = 0.05
+"""A sole lower than this counts as near the floor (for a robot of G1's height)."""
+
+
+def self_collision(reference: Reference, threshold: Threshold) -> Check:
+    """Greatest depth in m by which two of the robot's bodies overlap, between their convex collision shapes.
+
+    Neighbours in the kinematic tree and pairs that overlap in the standing pose do not count: there the shapes,
+    not the robot, are at fault.
+    """
+    depth, frame, pair = max(
+        ((value, frame, pair) for frame, pairs in enumerate(reference.pair_depth) for pair, value in pairs.items()),
+        default=(0.0, -1, ("", "")),
+    )
+    return threshold.check(
+        "self_collision",
+        depth,
+        "The deepest that two parts of the robot's body run into each other.",
+        worst_frame=frame,
+        worst_item=" and ".join(pair) if frame >= 0 else "",
+    )
+
+
+def ground_penetration(reference: Reference, threshold: Threshold) -> Check:
+    """Greatest depth in m of any sole corner or collision shape below the floor z = 0."""
+    model = reference.model
+    bodies = np.zeros((len(reference.qpos), model.nbody))
+    for geom, body in enumerate(model.geom_bodyid):
+        bodies[:, body] = np.maximum(bodies[:, body], reference.floor_depth[:, geom])
+    for foot, sole in reference.robot.soles.items():
+        body = model.body(sole.body).id
+        bodies[:, body] = np.maximum(bodies[:, body], -reference.soles[foot][..., 2].min(axis=1))
+    frame, body = (int(i) for i in np.unravel_index(int(np.argmax(bodies)), bodies.shape))
+    sunk = bodies[frame, body] > 0
+    return threshold.check(
+        "ground_penetration",
+        bodies[frame, body],
+        "The deepest that any part of the robot goes below the floor.",
+        worst_frame=frame if sunk else -1,
+        worst_item=model.body(body).name if sunk else "",
+    )
+
+
+def foot_skate(reference: Reference, threshold: Threshold) -> Check:
+    """Mean horizontal speed in m/s of soles while they are meant to stand (contact flag in both frames)."""
+    speeds, planted = sole_speeds(reference), planted_intervals(reference)
+    frame, foot = _fastest(reference, speeds, planted)
+    return threshold.check(
+        "foot_skate",
+        speeds[planted].mean() if planted.any() else 0.0,
+        "How fast feet slide on average while they should stand still.",
+        worst_frame=frame,
+        worst_item=foot,
+    )
+
+
+def foot_skate_peak(reference: Reference, threshold: Threshold, *, scale: float) -> Check:
+    """Highest horizontal speed in m/s of a sole that is near the floor (5 cm on G1) and meant to stand."""
+    heights = np.stack([reference.soles[f][..., 2].min(axis=1) for f in reference.robot.foot_names], axis=1)
+    low = heights < LOW_SOLE_M * scale
+    speeds, planted = sole_speeds(reference), planted_intervals(reference) & low[1:] & low[:-1]
+    frame, foot = _fastest(reference, speeds, planted)
+    return threshold.check(
+        "foot_skate_peak",
+        speeds[planted].max() if planted.any() else 0.0,
+        "The fastest slide of a foot that should stand still.",
+        worst_frame=frame,
+        worst_item=foot,
+    )
+
+
+def planted_intervals(reference: Reference) -> np.ndarray:
+    """(T-1, F) whether a foot is meant to stand at both ends of each interval between frames."""
+    contacts = reference.trajectory.contacts
+    return contacts[1:] & contacts[:-1]
+
+
+def sole_speeds(reference: Reference) -> Floats:
+    """(T-1, F) horizontal speed of each sole's lowest corners, m/s.
+
+    A foot that rolls over its heel or toe turns about corners that stand still, so only corners within 5 mm of the
+    lowest count.
+    """
+    speeds: list[Floats] = []
+    for foot in reference.robot.foot_names:
+        corners = reference.soles[foot]
+        moved = np.linalg.norm(np.diff(corners[..., :2], axis=0), axis=-1) / reference.dt
+        height = np.minimum(corners[1:, :, 2], corners[:-1, :, 2])
+        touching = height <= height.min(axis=1, keepdims=True) + 0.005
+        speeds.append((moved * touching).sum(axis=1) / touching.sum(axis=1))
+    return np.stack(speeds, axis=1)
+
+
+def _fastest(reference: Reference, speeds: Floats, planted: np.ndarray) -> tuple[int, str]:
+    """Frame and name of the planted foot that slides fastest; (-1, "") where none is planted."""
+    if not planted.any():
+        return -1, ""
+    slid = np.where(planted, speeds, -1.0)
+    frame, foot = np.unravel_index(int(np.argmax(slid)), slid.shape)
+    return int(frame), reference.robot.foot_names[int(foot)]

@@ -1,0 +1,110 @@
+"""Checks of a physics playback against its reference."""
+
+import numpy as np
+
+from ros_free_stack.messages import Check, Floats
+from sim.playback import Playback
+from sim.reference import Reference, body_points
+from sim.thresholds import Threshold
+
+
+def fall_height(playback: Playback, threshold: Threshold) -> Check:
+    """Greatest error of the torso's height in m (BeyondMimic ends an episode at 0.25 m)."""
+    frame = int(np.argmax(playback.height_error))
+    return threshold.check(
+        "fall_height",
+        playback.height_error[frame],
+        "How far the torso drops from where it should be: beyond the limit the robot has fallen.",
+        worst_frame=frame,
+    )
+
+
+def fall_orientation(playback: Playback, threshold: Threshold) -> Check:
+    """Greatest error of gravity along the torso's z axis, 0 upright to 2 (BeyondMimic ends at 0.8)."""
+    frame = int(np.argmax(playback.orientation_error))
+    return threshold.check(
+        "fall_orientation",
+        playback.orientation_error[frame],
+        "How far the torso tilts from how it should stand: beyond the limit the robot has fallen.",
+        worst_frame=frame,
+    )
+
+
+def mpjpe_global(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Mean distance in m between where the robot's joints are and should be, in the world (MPJPE)."""
+    error = _point_errors(reference, playback, own_frame=False)
+    return threshold.check(
+        "mpjpe_global",
+        error.mean(),
+        "How far the body is from the planned motion on average, drift over the floor included.",
+        worst_frame=int(np.argmax(error)),
+    )
+
+
+def mpjpe_relative(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """The same distance in the frame of the root body, so that only the pose counts."""
+    error = _point_errors(reference, playback, own_frame=True)
+    return threshold.check(
+        "mpjpe_relative",
+        error.mean(),
+        "How far the pose is from the planned pose on average.",
+        worst_frame=int(np.argmax(error)),
+    )
+
+
+def joint_velocity_error(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Root mean square over joints and frames of simulated minus planned joint velocity, rad/s."""
+    planned = np.zeros_like(playback.joint_vel)
+    if len(reference.qpos) > 1:
+        planned = np.gradient(reference.trajectory.joint_pos, reference.dt, axis=0)[: playback.frames]
+    by_frame = np.sqrt(((playback.joint_vel - planned) ** 2).mean(axis=1))
+    return threshold.check(
+        "joint_velocity_error",
+        np.sqrt((by_frame**2).mean()),
+        "How far joint speeds are from the planned ones.",
+        worst_frame=int(np.argmax(by_frame)),
+    )
+
+
+def torque_peak(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Greatest torque that the servo law asked for over the servo's limit; beyond 1 the servo saturates."""
+    robot = reference.robot
+    ratio = playback.demand / robot.effort
+    frame, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    return threshold.check(
+        "torque_peak",
+        ratio[frame, joint],
+        "The highest torque that a servo was asked for as a share of what it has.",
+        worst_frame=int(frame),
+        worst_item=robot.joint_names[int(joint)],
+    )
+
+
+def torque_saturation(playback: Playback, threshold: Threshold) -> Check:
+    """Share of the time in which at least one servo was at its torque limit."""
+    return threshold.check(
+        "torque_saturation",
+        playback.saturated.mean(),
+        "How much of the time some servo gave all it has.",
+        worst_frame=int(np.argmax(playback.saturated)),
+    )
+
+
+def _point_errors(reference: Reference, playback: Playback, *, own_frame: bool) -> Floats:
+    """(N,) mean distance in m over the attachment points."""
+    frames = playback.frames
+    root = reference.model.body(reference.robot.root_body).id
+    distances: list[Floats] = []
+    for joint, item in reference.robot.attachments.items():
+        planned = reference.attachments[joint][:frames]
+        actual = body_points(reference.model, playback.body_pos, playback.body_rot, item.body, (item.offset,))[:, 0]
+        if own_frame:
+            planned = _into(planned, reference.body_pos[:frames, root], reference.body_rot[:frames, root])
+            actual = _into(actual, playback.body_pos[:, root], playback.body_rot[:, root])
+        distances.append(np.linalg.norm(planned - actual, axis=1))
+    return np.mean(distances, axis=0)
+
+
+def _into(points: Floats, origin: Floats, rotation: Floats) -> Floats:
+    """World points (T, 3) in frames at `origin` (T, 3) with `rotation` (T, 3, 3)."""
+    return np.einsum("tji,tj->ti", rotation, points - origin)

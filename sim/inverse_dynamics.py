@@ -1,0 +1,105 @@
+"""The torques that a reference needs: inverse dynamics, with the floor's forces shared out among the soles."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import nnls
+
+from ros_free_stack.messages import Bools, Floats
+from ros_free_stack.robot_model import joint_addresses
+from ros_free_stack.robots import RobotDescription
+
+_FRICTION = 0.5
+_REGULARISATION = 1e-3
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """What a reference motion implies, frame by frame.
+
+    Attributes:
+        qvel: (T, nv) velocities.
+        com: (T, 3) centre of mass, m.
+        com_vel: (T, 3) m/s.
+        torque: (T, J) joint torques in N m that servos must supply, joint damping included.
+    """
+
+    qvel: Floats
+    com: Floats
+    com_vel: Floats
+    torque: Floats
+
+
+def inverse_dynamics(
+    model: mujoco.MjModel, robot: RobotDescription, qpos: Floats, contacts: Bools, dt: float
+) -> Dynamics:
+    """Velocities, centre of mass and feedforward torques of a motion sampled every `dt` seconds.
+
+    With M(q) a + c(q, v) - passive = S' tau + sum J_k' f_k, contact forces f_k at the corners of soles in contact
+    are the non-negative combination of friction-cone edges that best explains the six root equations; joint torques
+    are what remains. A motion that such forces cannot explain (unbalanced, flying) leaves a residue at the root that
+    nothing supplies: it will not track.
+
+    Args:
+        model: with a free or a fixed base.
+        robot: its description.
+        qpos: (T, nq) poses.
+        contacts: (T, F) whether each foot stands.
+        dt: s between poses.
+    """
+    frames = len(qpos)
+    qvel, qacc = _derivatives(model, qpos, dt)
+    com = np.empty((frames, 3))
+    forces = np.empty((frames, model.nv))
+    floor_forces = np.zeros((frames, model.nv))
+    free = model.nv > len(robot.joints)
+    data = mujoco.MjData(model)
+    flags = model.opt.disableflags
+    model.opt.disableflags = flags | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    for frame in range(frames):
+        data.qpos[:], data.qvel[:], data.qacc[:] = qpos[frame], qvel[frame], qacc[frame]
+        mujoco.mj_inverse(model, data)
+        com[frame] = data.subtree_com[0]
+        forces[frame] = data.qfrc_inverse
+        if free and contacts[frame].any():
+            floor_forces[frame] = _floor_forces(model, data, robot, contacts[frame])
+    model.opt.disableflags = flags
+    _, dofs = joint_addresses(model, robot)
+    torque = gaussian_filter1d((forces - floor_forces)[:, dofs], 0.02 / dt, axis=0, mode="nearest")
+    com_vel = np.asarray(np.gradient(com, dt, axis=0))
+    return Dynamics(qvel, com, com_vel, torque)
+
+
+def _derivatives(model: mujoco.MjModel, qpos: Floats, dt: float) -> tuple[Floats, Floats]:
+    """Central differences of poses, smoothed over 20 ms."""
+    frames = len(qpos)
+    qvel = np.zeros((frames, model.nv))
+    for frame in range(frames):
+        before, after = max(frame - 1, 0), min(frame + 1, frames - 1)
+        if after > before:
+            mujoco.mj_differentiatePos(model, qvel[frame], (after - before) * dt, qpos[before], qpos[after])
+    qvel = gaussian_filter1d(qvel, 0.02 / dt, axis=0, mode="nearest")
+    return qvel, np.gradient(qvel, dt, axis=0)
+
+
+def _floor_forces(model: mujoco.MjModel, data: mujoco.MjData, robot: RobotDescription, contacts: Bools) -> Floats:
+    """(nv,) generalised force of the floor on the standing soles."""
+    edges = np.array([[_FRICTION, 0, 1], [-_FRICTION, 0, 1], [0, _FRICTION, 1], [0, -_FRICTION, 1.0]])
+    columns: list[Floats] = []
+    jacobian = np.zeros((3, model.nv))
+    for sole, standing in zip(robot.soles.values(), contacts, strict=True):
+        if not standing:
+            continue
+        body = data.body(sole.body)
+        for corner in body.xpos + np.array(sole.corners) @ body.xmat.reshape(3, 3).T:
+            mujoco.mj_jac(model, data, jacobian, None, corner, body.id)
+            columns.extend(edges @ jacobian)
+    weight = model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
+    generators = np.array(columns).T * weight
+    count = generators.shape[1]
+    system = np.vstack([generators[:6], _REGULARISATION * weight * np.eye(count)])
+    target = np.concatenate([data.qfrc_inverse[:6], np.zeros(count)])
+    coefficients, _ = nnls(system, target)
+    return generators @ coefficients

@@ -1,0 +1,49 @@
+"""Limits of the checks, read from `thresholds.yaml`."""
+
+from dataclasses import dataclass
+from importlib import resources
+from typing import Literal
+
+import yaml
+
+from ros_free_stack.errors import UnknownName
+from ros_free_stack.messages import Check
+
+Level = Literal["strict", "default", "lenient"]
+LEVELS: tuple[Level, ...] = ("strict", "default", "lenient")
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """One limit: its unit, whether it is a minimum, and where it comes from."""
+
+    limit: float
+    unit: str
+    minimum: bool
+    source: str
+
+    def check(self, name: str, value: float, meaning: str, *, worst_frame: int = -1, worst_item: str = "") -> Check:
+        """The measured value against this limit."""
+        value = float(value)
+        passed = value >= self.limit if self.minimum else value <= self.limit
+        return Check(name, value, self.unit, self.limit, bool(passed), int(worst_frame), worst_item, meaning)
+
+
+def load_thresholds(level: Level, *, scale: float) -> dict[str, Threshold]:
+    """Every check's limit at one level, for a robot of `scale` times G1's height.
+
+    Raises:
+        UnknownName: no such level.
+    """
+    if level not in LEVELS:
+        raise UnknownName("level", level, LEVELS)
+    text = (resources.files("sim") / "thresholds.yaml").read_text(encoding="utf-8")
+    return {
+        name: Threshold(
+            limit=float(item[level]) * (scale if item.get("scaled") else 1.0),
+            unit=str(item["unit"]),
+            minimum=item.get("sense") == "minimum",
+            source=str(item["source"]),
+        )
+        for name, item in yaml.safe_load(text).items()
+    }
