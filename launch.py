@@ -1,0 +1,330 @@
+#!/usr/bin/env python3
+"""Command a humanoid by text: the composition root and command line, the only file that knows every stage."""
+
+import importlib
+import signal
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from time import perf_counter
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import tyro
+
+from ros_free_stack.console import Command, progress, say
+from ros_free_stack.errors import InvalidOption, StackError, UnknownName
+from ros_free_stack.messages import HumanMotion, RobotTrajectory
+from ros_free_stack.robots import RobotDescription, load_robot
+
+if TYPE_CHECKING:
+    from retarget.report import RetargetReport
+    from sim.verdict import Judgement
+
+INTERRUPTED = 130
+MAX_CANDIDATES = 64
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "run": ("launch:Run", "a sentence to human motion, robot trajectory, verdict, pictures, servos"),
+    "generate": ("generator.cli:Generate", "a sentence to human motion"),
+    "retarget": ("retarget.cli:Retarget", "a human motion to a robot's trajectory"),
+    "validate": ("sim.cli:Validate", "judge a trajectory in MuJoCo"),
+    "render": ("sim.cli:Render", "draw a trajectory as a video"),
+    "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
+    "data build": ("generator.data.cli:DataBuild", "make the training corpus"),
+    "data show": ("generator.data.cli:DataShow", "draw one clip of the corpus"),
+    "train": ("generator.cli:Train", "train a model of the generator"),
+    "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),
+    "robots show": ("ros_free_stack.cli:RobotsShow", "one robot's joints and limits"),
+    "doctor": ("ros_free_stack.cli:Doctor", "what this machine has and lacks"),
+}
+"""Subcommand to the module and class that does it, and one line of help. A stage is imported when it is asked for."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One generated motion, what the robot makes of it, and the judgement."""
+
+    motion: HumanMotion
+    trajectory: RobotTrajectory
+    report: "RetargetReport"
+    judgement: "Judgement"
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """Candidates are preferred by fewest failed checks, then by how closely the robot follows the human."""
+        errors = [limb.mean for limb in self.report.position_error_cm.values()]
+        return len(self.judgement.verdict.failures), sum(errors) / len(errors)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        failed = [check.name for check in self.judgement.verdict.failures]
+        return {
+            "passed": self.judgement.passed,
+            "failed": failed,
+            "duration_s": self.motion.duration_s,
+            "mean_position_error_cm": self.order[1],
+        }
+
+
+@dataclass
+class Timings:
+    """Seconds spent in each stage."""
+
+    seconds: dict[str, float] = field(default_factory=dict[str, float])
+
+    @contextmanager
+    def measure(self, stage: str) -> Iterator[None]:
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + perf_counter() - start
+
+
+class Pipeline:
+    """Text understanding, generator, retargeter and judge for one robot; models load once, for many prompts."""
+
+    def __init__(self, robot: RobotDescription) -> None:
+        self.robot = robot
+        self._stages: dict[str, Any] = {}
+
+    def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
+        """The segment texts of a prompt in temporal order, and whether the model knows them all.
+
+        Raises:
+            InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
+            OutOfDomain: a segment is unknown to the model, unless `anyway`.
+        """
+        from generator.text.understanding import Understanding
+
+        understanding: Understanding = self._stage("understanding", Understanding)
+        return understanding.segments(prompt, anyway=anyway)
+
+    def generate(
+        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int
+    ) -> tuple[HumanMotion, ...]:
+        """Human motions for a prompt."""
+        from generator.generate import MotionGenerator
+
+        generator: MotionGenerator = self._stage("generator", MotionGenerator.load)
+        return generator.generate(prompt, segments, seed=seed, candidates=candidates)
+
+    def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
+        """The robot's trajectory of a human motion, and what had to be given up."""
+        from retarget.pipeline import Retargeter
+
+        retargeter: Retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
+        result = retargeter.retarget(motion)
+        return result.trajectory, result.report
+
+    def judge(self, trajectory: RobotTrajectory) -> "Judgement":
+        """The verdict on a trajectory, with its playback."""
+        from sim.verdict import judge
+
+        return judge(trajectory, self.robot)
+
+    def candidates(
+        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int, timings: Timings
+    ) -> tuple[Candidate, ...]:
+        """Generate, retarget and judge; the preferred candidate comes first."""
+        with timings.measure("generate"):
+            motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
+        found: list[Candidate] = []
+        for motion in progress(motions, "retarget and judge", total=len(motions)):
+            with timings.measure("retarget"):
+                trajectory, report = self.retarget(motion)
+            with timings.measure("validate"):
+                found.append(Candidate(motion, trajectory, report, self.judge(trajectory)))
+        return tuple(sorted(found, key=lambda candidate: candidate.order))
+
+    def _stage(self, name: str, make: Any) -> Any:
+        if name not in self._stages:
+            self._stages[name] = make()
+        return self._stages[name]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Command):
+    """Turn a sentence into a robot's motion: generate, retarget, judge, draw, and stream on request.
+
+    The exit code is 0 if a candidate passed every check, 3 if none did (the report says why).
+
+    Examples:
+        python launch.py run "a person waves with the right hand" --out out/
+        python launch.py run "walks forward, then bows" --robot g1 --candidates 8 --seed 3
+        python launch.py run "squats twice" --servo sim --json
+        python launch.py run "claps" --servo /dev/ttyUSB0
+    """
+
+    prompt: Annotated[str, tyro.conf.Positional]
+    """What the robot should do, in English."""
+    robot: str = "op3"
+    """Robot by name; `launch.py robots list` shows them."""
+    out: Path = Path("out/run")
+    """Run folder: motion, trajectory, verdict, report.html, video.mp4."""
+    seed: int = 0
+    """Seed of all randomness: the same seed gives the same motion."""
+    candidates: int = 4
+    """How many motions to try; the best feasible one is kept."""
+    servo: str | None = None
+    """Stream the result: `sim` for a virtual bus, or a serial port such as /dev/ttyUSB0."""
+    video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
+    anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Try a sentence outside what the model knows."""
+
+    def run(self) -> int:
+        from ros_free_stack.files import make_folder
+
+        if not 1 <= self.candidates <= MAX_CANDIDATES:
+            raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
+        robot = load_robot(self.robot)
+        if self.servo is not None:
+            from hw.stream import check_port
+
+            check_port(self.servo, robot)
+        timings, pipeline = Timings(), Pipeline(robot)
+        with timings.measure("text"):
+            segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
+        make_folder(self.out)
+        found = pipeline.candidates(self.prompt, segments, seed=self.seed, candidates=self.candidates, timings=timings)
+        best = found[0]
+        files = self._write(best, robot, timings)
+        servo = self._stream(best, robot, timings)
+        verdict = best.judgement.verdict
+        result = {
+            "prompt": self.prompt,
+            "robot": robot.name,
+            "seed": self.seed,
+            "segments": [asdict(segment) for segment in best.motion.segments],
+            "in_domain": in_domain,
+            "candidates": [candidate.as_dict() for candidate in found],
+            "retarget": best.report.as_dict(),
+            "verdict": {"passed": verdict.passed, "checks": [asdict(check) for check in verdict.checks]},
+            "servo": servo,
+            "timings_s": {stage: round(seconds, 3) for stage, seconds in timings.seconds.items()},
+            "files": files,
+        }
+        self.report(result, *self._words(best, found, servo))
+        return 0 if verdict.passed else 3
+
+    def _write(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
+        """Write the run folder; a video that an earlier run left there must not pass for this one's."""
+        from ros_free_stack.files import save_motion, save_trajectory, save_trajectory_csv, save_verdict
+        from sim.report import write_report
+
+        (self.out / "video.mp4").unlink(missing_ok=True)
+        with timings.measure("report"):
+            save_motion(self.out / "human_motion.npz", best.motion)
+            save_trajectory(self.out / "trajectory.npz", best.trajectory)
+            save_trajectory_csv(self.out / "trajectory.csv", best.trajectory)
+            save_verdict(self.out / "verdict.json", best.judgement.verdict)
+            write_report(self.out, best.motion, best.trajectory, best.judgement, robot)
+        names = ["human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json", "report.html"]
+        if self.video:
+            with timings.measure("video"):
+                names += self._video(best, robot)
+        return {name: str(self.out / name) for name in names}
+
+    def _video(self, best: Candidate, robot: RobotDescription) -> list[str]:
+        from ros_free_stack.errors import MissingDependency
+        from sim.render import render_video
+
+        try:
+            render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot)
+        except MissingDependency as error:
+            say(f"no video: {error}")
+            return []
+        return ["video.mp4"]
+
+    def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
+        if self.servo is None:
+            return None
+        if not best.judgement.passed:
+            say("nothing is streamed: no candidate passed")
+            return None
+        from hw.stream import stream
+
+        with timings.measure("servo"):
+            return stream(best.trajectory, best.judgement.verdict, robot, port=self.servo).as_dict()
+
+    def _words(self, best: Candidate, found: tuple[Candidate, ...], servo: dict[str, Any] | None) -> Iterator[str]:
+        verdict = best.judgement.verdict
+        for segment in best.motion.segments:
+            yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
+        feasible = sum(candidate.judgement.passed for candidate in found)
+        yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
+        for check in verdict.failures:
+            yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
+        if servo is not None:
+            yield (
+                f"servos: {servo['cycles']} cycles at {servo['rate_hz']:.1f} Hz, "
+                f"jitter p99 {servo['jitter_p99_ms']:.2f} ms, {len(servo['errors'])} errors"
+            )
+        yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
+        yield f"report: {self.out / 'report.html'}"
+
+
+def usage(prefix: str = "") -> str:
+    """The list of subcommands that begin with `prefix`."""
+    rows = [f"  {name:14s} {words}" for name, (_, words) in COMMANDS.items() if name.startswith(prefix)]
+    lines = [
+        "usage: python launch.py COMMAND [options]      (COMMAND --help shows a command's options)",
+        "",
+        *rows,
+        "",
+        'example: python launch.py run "a person waves with the right hand" --robot op3 --servo sim --out out/',
+    ]
+    return "\n".join(lines)
+
+
+def find_command(arguments: list[str]) -> tuple[str, list[str]]:
+    """The subcommand that the arguments begin with, and the arguments that are left for it."""
+    for words in (2, 1):
+        name = " ".join(arguments[:words])
+        if name in COMMANDS:
+            return name, arguments[words:]
+    raise UnknownName("command", arguments[0], COMMANDS)
+
+
+def parse(name: str, arguments: list[str]) -> Command:
+    """The subcommand's dataclass, filled from its arguments; imports only the stage that it belongs to."""
+    module, class_name = COMMANDS[name][0].split(":")
+    command_class: type[Command] = getattr(importlib.import_module(module), class_name)
+    return tyro.cli(command_class, args=arguments, prog=f"launch.py {name}")
+
+
+def main(arguments: list[str]) -> int:
+    """Run the command line: 0 done, 2 bad input, 3 infeasible, 4 hardware fault, 130 interrupted."""
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(usage())
+        return 0
+    group = f"{arguments[0]} "
+    if len(arguments) == 1 and any(name.startswith(group) for name in COMMANDS):
+        print(usage(prefix=group))
+        return 0
+    previous = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        return parse(*find_command(arguments)).run()
+    except StackError as error:
+        if "--debug" in arguments:
+            traceback.print_exc()
+        say(f"error: {error}")
+        return error.exit_code
+    except KeyboardInterrupt:
+        say("interrupted")
+        return INTERRUPTED
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def _terminate(_number: int, _frame: FrameType | None) -> NoReturn:
+    """SIGTERM unwinds like Ctrl-C, so that servos stop and temporary files go."""
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
