@@ -159,17 +159,13 @@ class PacketReader:
         """The packet at the front, if complete, and how many bytes are done with (0: wait for more)."""
         buffer = self._buffer
         start = buffer.find(HEADER)
-        if start < 0:
-            # Keep a tail that may be the beginning of a header.
-            return None, max(0, len(buffer) - len(HEADER) + 1)
-        if start:
-            return None, start
-        if len(buffer) < HEADER_SIZE:
-            return None, 0
-        length = int.from_bytes(buffer[5:7], "little")
-        if not 3 <= length <= MAX_LENGTH or buffer[4] == 0xFF:
-            return None, len(HEADER)
+        if start != 0:
+            # Skip what comes before a header, or all but a tail that may be the beginning of one.
+            return None, start if start > 0 else max(0, len(buffer) - len(HEADER) + 1)
+        length = int.from_bytes(buffer[5:7], "little") if len(buffer) >= HEADER_SIZE else 3
         end = HEADER_SIZE + length
+        if not 3 <= length <= MAX_LENGTH:
+            return None, len(HEADER)
         if len(buffer) < end:
             return None, 0
         if crc16(bytes(buffer[: end - 2])) != int.from_bytes(buffer[end - 2 : end], "little"):

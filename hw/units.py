@@ -46,7 +46,7 @@ def amperes_per_unit(model: str) -> float:
     return 1e-3 if "330" in model else 2.69e-3
 
 
-def scale(table: ControlTable, register: str) -> tuple[float, float, str]:
+def scale(table: ControlTable, register: str) -> tuple[float, int, str]:
     """SI value of one unit, raw value of SI zero, and unit; unit "raw" where the register has none.
 
     Raises:
@@ -79,7 +79,7 @@ def to_raw(table: ControlTable, register: str, value: float) -> int:
     """
     factor, zero, unit = scale(table, register)
     item = table[register]
-    raw = round(value / factor) + zero if math.isfinite(value) else None
+    raw = int(round(value / factor) + zero) if math.isfinite(value) else None
     if raw is None or not item.lowest <= raw <= item.highest:
         low, high = ((limit - zero) * factor for limit in (item.lowest, item.highest))
         raise UnsafeCommand(f"{table.model} {register}: {value:g} {unit} is outside {low:g} to {high:g} {unit}")

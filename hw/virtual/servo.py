@@ -318,9 +318,8 @@ class Servo:
             raise Refused(StatusError.DATA_RANGE)
         if name == "Torque Enable" and value and self.get("Hardware Error Status") & self.get("Shutdown"):
             raise Refused(StatusError.RESULT_FAIL)
-        if name == "Goal Position" and self.get("Operating Mode") == POSITION:
-            if not self.get("Min Position Limit") <= value <= self.get("Max Position Limit"):
-                raise Refused(StatusError.DATA_LIMIT)
+        if name == "Goal Position" and self._mode == POSITION and not self._lowest <= value <= self._highest:
+            raise Refused(StatusError.DATA_LIMIT)
         limit = _LIMITED_BY.get(name)
         if limit is not None and limit in self.table and abs(value) > self.get(limit):
             raise Refused(StatusError.DATA_LIMIT)
@@ -393,6 +392,7 @@ class Servo:
         self._temperature_limit = si("Temperature Limit")
         self._mode = self.get("Operating Mode")
         self._moving_threshold = self.get("Moving Threshold")
+        self._lowest, self._highest = self.get("Min Position Limit"), self.get("Max Position Limit")
         self._offset = si("Homing Offset")
         self._goal_velocity, self._goal_duty = si("Goal Velocity"), si("Goal PWM")
         self._goal_current, self._current_limit = si("Goal Current"), si("Current Limit")

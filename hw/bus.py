@@ -1,0 +1,192 @@
+"""One serial port with Dynamixel servos, through the official SDK: ping, read and write by register name, reboot."""
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import serial
+from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
+from serial.tools import list_ports
+
+from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, encode
+from hw.registers import ControlTable, control_table, model_name
+from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError
+
+_RETRIES = 3
+_LATENCY_MS = 1
+_PATIENCE_S = 2e-3
+
+
+@dataclass(frozen=True)
+class Device:
+    """A servo that answered a ping."""
+
+    id: int
+    model: str
+    firmware: int
+
+
+class Bus:
+    """An open port. Every call raises PortError where the port goes away.
+
+    Attributes:
+        port: path.
+        baud: bits a second.
+        latency: what became of the port's latency timer, in words.
+    """
+
+    def __init__(self, port: str, baud: int) -> None:
+        """Open the port.
+
+        Raises:
+            PortError: it cannot be opened; lists the ports there are.
+            InvalidOption: the SDK does not know the baud rate.
+        """
+        self.port, self.baud = port, baud
+        self.handler = PortHandler(port)
+        self.packets = Protocol2PacketHandler()
+        if self.handler.getCFlagBaud(baud) <= 0:
+            raise InvalidOption("--baud", f"{baud} is not a rate that the Dynamixel SDK supports")
+        try:
+            self.handler.setBaudRate(baud)
+        except (serial.SerialException, OSError, ValueError) as error:
+            found = ", ".join(item.device for item in list_ports.comports()) or "none"
+            reason = os.strerror(number) if (number := getattr(error, "errno", None)) else str(error)
+            raise PortError(port, f"cannot be opened ({reason}); serial ports here: {found}; or use sim") from None
+        # Wait in the kernel for a whole packet instead of polling for each byte.
+        self.serial.timeout = _PATIENCE_S
+        self.latency = _lower_latency(port)
+
+    @property
+    def serial(self) -> serial.Serial:
+        """The SDK's serial port."""
+        port = self.handler.ser
+        assert isinstance(port, serial.Serial)
+        return port
+
+    def close(self) -> None:
+        """Close the port, whatever state it is in."""
+        try:
+            self.handler.closePort()
+        except (serial.SerialException, OSError):
+            self.handler.is_open = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """Turn the failures of a vanished port into PortError."""
+        try:
+            yield
+        except (serial.SerialException, OSError, TypeError) as error:
+            # pyserial raises TypeError where another thread or the kernel closed the descriptor.
+            self.handler.is_using = False
+            raise PortError(self.port, f"went away ({error})") from None
+
+    def ping(self, identity: int) -> str | None:
+        """The model of a servo, or None where nothing answers."""
+        for _ in range(_RETRIES):
+            with self.guarded():
+                number, result, _ = self.packets.ping(self.handler, identity)
+            if result == COMM_SUCCESS:
+                return model_name(number)
+        return None
+
+    def scan(self) -> tuple[Device, ...]:
+        """All servos that answer a broadcast ping, by id; takes about a second."""
+        with self.guarded():
+            found, _ = self.packets.broadcastPing(self.handler)
+        return tuple(Device(i, model_name(number), firmware) for i, (number, firmware) in sorted(found.items()))
+
+    def read(self, identity: int, table: ControlTable, register: str) -> int:
+        """Raw value of a register.
+
+        Raises:
+            LostServo: no answer after three tries.
+            BusFault: the servo refuses.
+        """
+        item = table[register]
+        return item.unpack(self.read_bytes(identity, item.address, item.size))
+
+    def read_bytes(self, identity: int, address: int, length: int) -> bytes:
+        """Bytes from the control table; errors as in `read`."""
+        for _ in range(_RETRIES):
+            with self.guarded():
+                data, result, error = self.packets.readTxRx(self.handler, identity, address, length)
+            if result == COMM_SUCCESS and len(data) == length:
+                self._refuse(identity, error, f"reading {length} bytes at {address}")
+                return bytes(data)
+        raise LostServo([f"servo {identity}"], f"to a read of address {address}")
+
+    def write(self, identity: int, table: ControlTable, register: str, value: int) -> None:
+        """Write a raw value to a register; errors as in `read`."""
+        item = table[register]
+        self.write_bytes(identity, item.address, item.pack(value), f"{register} = {value}")
+
+    def write_bytes(self, identity: int, address: int, data: bytes, what: str = "") -> None:
+        """Write bytes to the control table; errors as in `read`."""
+        for _ in range(_RETRIES):
+            with self.guarded():
+                result, error = self.packets.writeTxRx(self.handler, identity, address, len(data), list(data))
+            if result == COMM_SUCCESS:
+                self._refuse(identity, error, f"writing {what or address}")
+                return
+        raise LostServo([f"servo {identity}"], f"to a write of {what or f'address {address}'}")
+
+    def write_together(self, identities: Iterable[int], table: ControlTable, register: str, value: int) -> None:
+        """Sync Write one raw value to several servos; nobody answers."""
+        item = table[register]
+        head = item.address.to_bytes(2, "little") + item.size.to_bytes(2, "little")
+        body = b"".join(bytes((identity,)) + item.pack(value) for identity in identities)
+        with self.guarded():
+            self.serial.reset_input_buffer()
+            self.serial.write(encode(Packet(BROADCAST, Instruction.SYNC_WRITE, head + body)))
+
+    def reboot(self, identity: int) -> None:
+        """Restart a servo: clears its hardware error, loses its RAM and its torque."""
+        with self.guarded():
+            result, error = self.packets.reboot(self.handler, identity)
+        if result != COMM_SUCCESS:
+            raise LostServo([f"servo {identity}"], "to a reboot")
+        self._refuse(identity, error, "reboot")
+
+    def table_of(self, identity: int) -> ControlTable:
+        """The control table of whatever servo has this id; LostServo where none answers."""
+        model = self.ping(identity)
+        if model is None:
+            raise LostServo([f"servo {identity}"], f"to a ping at {self.baud} baud on {self.port}")
+        return control_table(model)
+
+    def _refuse(self, identity: int, error: int, what: str) -> None:
+        code = error & ~ALERT
+        if code:
+            known = code in StatusError._value2member_map_
+            name = StatusError(code).name.lower().replace("_", " ") if known else f"code {code}"
+            raise BusFault(f"servo {identity} refuses {what}: {name}")
+
+
+def _lower_latency(port: str) -> str:
+    """Set a USB serial adapter's latency timer to 1 ms where Linux lets us; say what happened."""
+    if not sys.platform.startswith("linux"):
+        return "not settable on this system: set the adapter's latency timer to 1 ms in its driver"
+    file = Path("/sys/bus/usb-serial/devices") / Path(port).resolve().name / "latency_timer"
+    if not file.exists():
+        return "the port has none"
+    try:
+        before = int(file.read_text())
+        if before > _LATENCY_MS:
+            file.write_text(str(_LATENCY_MS))
+        return f"{_LATENCY_MS} ms" if before > _LATENCY_MS else f"{before} ms"
+    except (OSError, ValueError):
+        return f"not lowered: as root, echo {_LATENCY_MS} > {file}"

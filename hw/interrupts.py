@@ -1,0 +1,39 @@
+"""Ctrl-C and SIGTERM as a flag, so that a cycle is never cut in the middle and the controlled stop never at all."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+
+@dataclass
+class Interrupts:
+    """`pending` is set by a signal; `check` raises it as KeyboardInterrupt where that is safe."""
+
+    pending: bool = False
+
+    def check(self) -> None:
+        """Raise KeyboardInterrupt if a signal has come."""
+        if self.pending:
+            raise KeyboardInterrupt
+
+
+@contextmanager
+def caught_interrupts() -> Iterator[Interrupts]:
+    """Catch SIGINT and SIGTERM for a while; a no-op outside the main thread, where Python allows no handlers."""
+    interrupts = Interrupts()
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupts
+        return
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        interrupts.pending = True
+
+    before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield interrupts
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

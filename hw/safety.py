@@ -1,0 +1,144 @@
+"""What stops a stream: thresholds, and the watch over every reading."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hw.cycle import Reading
+from hw.rig import Rig
+from ros_free_stack.errors import DeadlineFault, ServoFault, StackError
+from ros_free_stack.messages import Floats
+
+HARDWARE_ERRORS = {0: "input voltage", 2: "overheating", 3: "motor encoder", 4: "electrical shock", 5: "overload"}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Thresholds of the driver.
+
+    Attributes:
+        temperature: deg C.
+        voltage: V; None takes each servo's own minimum.
+        following_error: rad between goal and measured angle, for longer than `following_s`.
+        following_s: s.
+        lost_after: readings in a row that a servo may miss.
+        late_after: cycles in a row that may begin more than one period late.
+        stall_s: longest pause of the computer, s.
+        watchdog_s: silence after which the servos stop by themselves, s (20 ms steps, at most 2.54 s).
+        ramp_speed: rad/s towards the first frame.
+        hold_s: s of holding still before the torque goes off.
+    """
+
+    temperature: float = 70.0
+    voltage: float | None = None
+    following_error: float = 0.5
+    following_s: float = 0.25
+    lost_after: int = 12
+    late_after: int = 25
+    stall_s: float = 0.5
+    watchdog_s: float = 0.2
+    ramp_speed: float = 1.0
+    hold_s: float = 0.3
+
+
+def hardware_errors(bits: int) -> str:
+    """Names of hardware error bits."""
+    return ", ".join(name for bit, name in HARDWARE_ERRORS.items() if bits >> bit & 1) or f"code {bits}"
+
+
+class LostContact(Exception):
+    """Servos missed too many readings; the driver finds out which of them are gone. `suspects` are indices."""
+
+    def __init__(self, suspects: tuple[int, ...]) -> None:
+        super().__init__(suspects)
+        self.suspects = suspects
+
+
+@dataclass
+class Watch:
+    """Looks at every reading and raises what must stop the robot.
+
+    Attributes:
+        min_voltage: (N,) V.
+        lost_replies: readings that were asked for and did not come.
+        max_following_error: rad, the worst so far.
+    """
+
+    rig: Rig
+    limits: Limits
+    min_voltage: Floats
+    lost_replies: int = 0
+    max_following_error: float = 0.0
+    _missed: np.ndarray = field(init=False)
+    _off_track_s: np.ndarray = field(init=False)
+    _late: int = 0
+
+    def __post_init__(self) -> None:
+        self._missed = np.zeros(len(self.rig.joints), dtype=int)
+        self._off_track_s = np.zeros(len(self.rig.joints))
+
+    def check(self, reading: Reading, goal: Floats) -> None:
+        """Judge a reading against the goal that was valid when it was taken (N,) rad.
+
+        Raises:
+            ServoFault: hardware error, temperature, voltage, torque gone, watchdog tripped, following error.
+            LostContact: too many readings missed.
+        """
+        missing = reading.asked & ~reading.fresh
+        self._missed = np.where(reading.fresh, 0, self._missed + missing)
+        self.lost_replies += int(missing.sum())
+        if (self._missed >= self.limits.lost_after).any():
+            raise LostContact(tuple(int(i) for i in np.flatnonzero(self._missed)))
+        fault = self._fault(reading)
+        if fault is not None:
+            raise fault
+        self._follow(reading, goal)
+
+    def _fault(self, reading: Reading) -> StackError | None:
+        rig, limits = self.rig, self.limits
+        if reading.alert.any() or reading.error.any():
+            i = int(np.argmax(np.where(reading.error > 0, 2, reading.alert)))
+            problem = hardware_errors(int(reading.error[i])) if reading.error[i] else "alert, cause not yet read"
+            return ServoFault(rig.label(i), f"hardware error: {problem}; find the cause, then `servos reboot`")
+        if reading.tripped.any():
+            i = int(np.argmax(reading.tripped))
+            return ServoFault(rig.label(i), f"bus watchdog tripped after {limits.watchdog_s:g} s of silence")
+        if not reading.torque.all():
+            return ServoFault(rig.label(int(np.argmin(reading.torque))), "torque went off by itself: it restarted")
+        hot = reading.temperature > limits.temperature
+        if hot.any():
+            i = int(np.argmax(hot))
+            return ServoFault(rig.label(i), f"{reading.temperature[i]:.0f} deg C, limit {limits.temperature:g} deg C")
+        low = reading.voltage < self.min_voltage
+        if low.any():
+            i = int(np.argmax(low))
+            return ServoFault(rig.label(i), f"{reading.voltage[i]:.1f} V, minimum {self.min_voltage[i]:.1f} V")
+        return None
+
+    def _follow(self, reading: Reading, goal: Floats) -> None:
+        error = np.abs(reading.position - goal)
+        self.max_following_error = max(self.max_following_error, float(error[reading.fresh].max(initial=0.0)))
+        off = error > self.limits.following_error
+        self._off_track_s = np.where(off, self._off_track_s + self.rig.cycle_s, 0.0)
+        if (self._off_track_s > self.limits.following_s).any():
+            i = int(np.argmax(self._off_track_s))
+            raise ServoFault(
+                self.rig.label(i),
+                f"following error {error[i]:.2f} rad for {self._off_track_s[i]:.2f} s, limit "
+                f"{self.limits.following_error:g} rad for {self.limits.following_s:g} s: blocked or overloaded",
+            )
+
+    def check_pace(self, late_s: float) -> None:
+        """Judge how late a cycle began.
+
+        Raises:
+            DeadlineFault: one long stall, or too many late cycles in a row.
+        """
+        self._late = self._late + 1 if late_s > self.rig.cycle_s else 0
+        if late_s > self.limits.stall_s:
+            raise DeadlineFault(f"the computer paused for {late_s:.2f} s, limit {self.limits.stall_s:g} s")
+        if self._late >= self.limits.late_after:
+            raise DeadlineFault(
+                f"{self._late} cycles in a row were late: {1 / self.rig.cycle_s:.0f} Hz is too fast for this computer, "
+                "port or baud rate"
+            )
