@@ -55,16 +55,10 @@ def read_asf(path: Path) -> AsfSkeleton:
     for name in ("units", "root", "bonedata", "hierarchy"):
         if name not in sections:
             raise InvalidFile(path, f"no section ':{name}' (truncated?)")
-    units = {words[0]: words[1:] for _, words in sections["units"] if len(words) > 1}
-    if units.get("angle", ["deg"]) != ["deg"]:
-        raise InvalidFile(path, "angles are not in degrees")
-    metres = INCH / _number(path, 0, units.get("length", ["1"])[0])
-    root = {words[0].lower(): words[1:] for _, words in sections["root"]}
-    if [word.lower() for word in root.get("order", [])] != list(_ROOT_CHANNELS):
-        raise InvalidFile(path, f"root order {root.get('order')}, expected {' '.join(_ROOT_CHANNELS).upper()}")
-    orientation = [_number(path, 0, word) for word in root.get("orientation", ["0", "0", "0"])]
+    metres = _unit(path, sections["units"])
+    orientation = _root_orientation(path, sections["root"])
     parents = _hierarchy(path, sections["hierarchy"])
-    bones = {"root": Bone("root", "", np.zeros(3), _euler(orientation), _ROOT_CHANNELS)}
+    bones = {"root": Bone("root", "", np.zeros(3), orientation, _ROOT_CHANNELS)}
     for bone in _bones(path, sections["bonedata"], metres, parents):
         bones[bone.name] = bone
     missing = [name for name in parents if name not in bones]
@@ -146,11 +140,9 @@ def _text(path: Path) -> str:
 
 
 def _number(path: Path, line: int, word: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        where = f"line {line}: " if line else ""
-        raise InvalidFile(path, f"{where}expected a number, found {word!r}") from None
+    if not _finite([word]):
+        raise InvalidFile(path, f"line {line}: expected a number, found {word!r}")
+    return float(word)
 
 
 def _euler(degrees: Sequence[float]) -> Rotation:
@@ -167,6 +159,32 @@ def _sections(path: Path) -> dict[str, Lines]:
         elif words:
             lines.append((number, words))
     return sections
+
+
+def _unit(path: Path, lines: Lines) -> float:
+    """Metres a unit of length."""
+    metres = INCH
+    for number, words in lines:
+        if words[0] == "angle" and words[1:] != ["deg"]:
+            raise InvalidFile(path, f"line {number}: angles are not in degrees")
+        if words[0] == "length":
+            unit = _number(path, number, " ".join(words[1:]))
+            if unit <= 0:
+                raise InvalidFile(path, f"line {number}: length unit {unit}, expected a positive number")
+            metres = INCH / unit
+    return metres
+
+
+def _root_orientation(path: Path, lines: Lines) -> Rotation:
+    orientation = _euler([0, 0, 0])
+    for number, words in lines:
+        if words[0] == "order" and tuple(word.lower() for word in words[1:]) != _ROOT_CHANNELS:
+            raise InvalidFile(path, f"line {number}: root order, expected {' '.join(_ROOT_CHANNELS).upper()}")
+        if words[0] == "orientation":
+            if len(words) != 4:
+                raise InvalidFile(path, f"line {number}: expected three angles")
+            orientation = _euler([_number(path, number, word) for word in words[1:]])
+    return orientation
 
 
 def _hierarchy(path: Path, lines: Lines) -> dict[str, str]:

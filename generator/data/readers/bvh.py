@@ -51,7 +51,7 @@ def read_bvh(path: Path) -> Bvh:
     if motion is None:
         raise InvalidFile(path, "no line 'MOTION' (truncated?)")
     joints = _hierarchy(path, lines[:motion])
-    count = int(_header(path, lines, motion + 1, "Frames:"))
+    count = round(_header(path, lines, motion + 1, "Frames:"))
     frame_time = _header(path, lines, motion + 2, "Frame Time:")
     if count < 1 or frame_time <= 0:
         raise InvalidFile(path, f"line {motion + 2}: {count} frames of {frame_time} s")
@@ -96,11 +96,12 @@ def positions(bvh: Bvh) -> Floats:
 def _header(path: Path, lines: list[str], i: int, key: str) -> float:
     line = lines[i].strip() if i < len(lines) else ""
     try:
-        if not line.startswith(key):
+        value = float(line.removeprefix(key)) if line.startswith(key) else np.nan
+        if not np.isfinite(value):
             raise ValueError
-        return float(line.removeprefix(key))
     except ValueError:
         raise InvalidFile(path, f"line {i + 1}: expected '{key} NUMBER', found {line[:60]!r}") from None
+    return value
 
 
 def _hierarchy(path: Path, lines: list[str]) -> list[Joint]:
@@ -119,7 +120,7 @@ def _hierarchy(path: Path, lines: list[str]) -> list[Joint]:
             offset = np.array([_number(path, number, word) for word in words[1:]])
             joints.append(Joint(names.pop(), stack[-1] if stack else -1, offset, ()))
             stack.append(len(joints) - 1)
-        elif words[0] == "CHANNELS" and stack and set(words[2:]) <= _CHANNELS and words[1] == str(len(words) - 2):
+        elif words[0] == "CHANNELS" and stack and _are_channels(words[1:]):
             last = joints[stack[-1]]
             joints[stack[-1]] = Joint(last.name, last.parent, last.offset, tuple(words[2:]))
         elif words[0] == "}" and stack:
@@ -131,11 +132,19 @@ def _hierarchy(path: Path, lines: list[str]) -> list[Joint]:
     return joints
 
 
+def _are_channels(words: list[str]) -> bool:
+    """Whether these are a count and as many channels, none of them twice."""
+    return bool(words) and words[0] == str(len(set(words[1:]) & _CHANNELS)) == str(len(words) - 1)
+
+
 def _number(path: Path, line: int, word: str) -> float:
     try:
-        return float(word)
+        value = float(word)
     except ValueError:
-        raise InvalidFile(path, f"line {line}: expected a number, found {word!r}") from None
+        value = np.nan
+    if not np.isfinite(value):
+        raise InvalidFile(path, f"line {line}: expected a finite number, found {word!r}")
+    return value
 
 
 def _fault(path: Path, lines: list[str], first: int, count: int, width: int) -> InvalidFile:
@@ -148,6 +157,6 @@ def _fault(path: Path, lines: list[str], first: int, count: int, width: int) -> 
         rows += 1
         if len(words) != width:
             return InvalidFile(path, f"line {number}: expected {width} numbers, found {len(words)}")
-        if not np.isfinite([_number(path, number, word) for word in words]).all():
-            return InvalidFile(path, f"line {number}: a number that is not finite")
+        for word in words:
+            _number(path, number, word)
     return InvalidFile(path, f"line {len(lines)}: expected {count} frames, found {rows}")

@@ -92,6 +92,25 @@ SUBJECT_131: Final = _weights(
 bone of the thorax; the forearm is lengthened as above."""
 
 
+KIT_ML: Final = _weights(
+    pelvis="root",
+    spine1="BP",
+    spine2={"BP": 0.5, "BT": 0.5},
+    spine3="BT",
+    neck="BLN",
+    head="BUN",
+    hip="{S}H",
+    knee="{S}K",
+    ankle="{S}A",
+    foot="{S}F",
+    collar={"BT": 0.55, "{S}S": 0.45},
+    shoulder="{S}S",
+    elbow="{S}E",
+    wrist="{S}W",
+)
+"""The 21 joints of KIT-ML, by their names in the Master Motor Map."""
+
+
 def select(names: Sequence[str], points: Floats, weights: Weights) -> Floats:
     """(T, S, 3) named points as (T, 22, 3) joints.
 

@@ -1,0 +1,116 @@
+import re
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from generator.data.readers.bvh import positions, read_bvh
+from ros_free_stack.errors import InvalidFile
+
+BVH = """HIERARCHY
+ROOT hip
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation
+  JOINT knee
+  {
+    OFFSET 0 -40 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 -30 0
+    }
+  }
+  JOINT chest
+  {
+    OFFSET 0 50 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 20 0
+    }
+  }
+}
+MOTION
+Frames:\t3
+Frame Time:\t0.05
+0 90 0 0 0 0 0 0 0 0 0 0
+1 90 0 0 90 0 0 0 0 0 0 0
+0 90 0 0 0 0 0 -90 90 90 0 0
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "a.bvh"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_positions(tmp_path: Path) -> None:
+    data = read_bvh(written(tmp_path, BVH))
+    assert data.names == ("hip", "knee", "knee_end", "chest", "chest_end")
+    assert data.fps == pytest.approx(20)
+    points = positions(data)
+    down = [[0, 90, 0], [0, 50, 0], [0, 20, 0], [0, 140, 0], [0, 160, 0]]
+    np.testing.assert_allclose(points[0], down, atol=1e-9)
+    np.testing.assert_allclose(points[1], np.array(down) + np.array([1, 0, 0]), atol=1e-9)
+    # Channels apply from the left: the shank turns by -90 degrees about x (the y turn before it does nothing),
+    # the head by 90 about z.
+    np.testing.assert_allclose(points[2, 2], (0, 50, 30), atol=1e-9)
+    np.testing.assert_allclose(points[2, 4], (-20, 140, 0), atol=1e-9)
+
+
+def test_windows_line_ends_read_the_same(tmp_path: Path) -> None:
+    unix = read_bvh(written(tmp_path, BVH))
+    path = tmp_path / "dos.bvh"
+    path.write_bytes(BVH.replace("\n", " \r\n").encode())
+    np.testing.assert_array_equal(read_bvh(path).values, unix.values)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1 90 0 0 90", "1 90 0 0 x", "line 29: expected a finite number, found 'x'"),
+        ("1 90 0 0 90", "1 90 0 90", "line 29: expected 12 numbers, found 11"),
+        ("1 90 0 0 90", "1 inf 0 0 90", "line 29: expected a finite number, found 'inf'"),
+        ("0 90 0 0 0 0 0 -90 90 90 0 0\n", "", "expected 3 frames, found 2"),
+        ("Frames:\t3", "Frames: many", "line 26: expected 'Frames: NUMBER'"),
+        ("Frames:\t3", "Frames: 0", "0 frames"),
+        ("OFFSET 0 -40 0", "OFFSET 0 -40", "line 8: unexpected 'OFFSET 0 -40'"),
+        ("OFFSET 0 -40 0", "OFFSET 0 -40 y", "line 8: expected a finite number, found 'y'"),
+        ("CHANNELS 3 Zrotation Xrotation Yrotation\n    End", "CHANNELS 3 Zrotation\n    End", "line 9: unexpected"),
+        (BVH[BVH.index("}\nMOTION") : BVH.index("MOTION")], "", "the hierarchy is not closed"),
+        (BVH[BVH.index("MOTION") :], "", "no line 'MOTION'"),
+    ],
+)
+def test_faults_are_named(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(InvalidFile) as caught:
+        read_bvh(written(tmp_path, BVH.replace(old, new)))
+    assert message in str(caught.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        read_bvh(tmp_path / "none.bvh")
+
+
+@given(st.data())
+def test_damage_is_refused_or_harmless(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    path = written(tmp_path_factory.mktemp("damaged"), damaged(BVH, data))
+    with suppress(InvalidFile):
+        assert np.isfinite(positions(read_bvh(path))).all()
+
+
+def damaged(text: str, data: st.DataObject) -> str:
+    """The text with a few words removed, repeated or replaced."""
+    words = re.split(r"(\s+)", text)
+    for _ in range(data.draw(st.integers(0, 3))):
+        place = data.draw(st.integers(0, len(words) - 1))
+        word = words[place]
+        words[place] = data.draw(
+            st.sampled_from(["", f"{word} {word}", f"{word}\n{word}", "x", "0", "nan", "1e999", "}", "Xrotation"])
+        )
+    return "".join(words)
