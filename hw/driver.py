@@ -11,7 +11,7 @@ import numpy as np
 from hw.bus import Bus
 from hw.cycle import Cycle, Reading
 from hw.interrupts import Interrupts, caught_interrupts
-from hw.pace import Pace
+from hw.pace import Pace, realtime_priority
 from hw.resample import ramp
 from hw.rig import Raw, Rig
 from hw.safety import Limits, LostContact, Watch, hardware_errors
@@ -42,6 +42,7 @@ class Driver:
         cycle: the cyclic exchange.
         watch: the judge of every reading.
         pace: the loop's timing.
+        realtime: whether the system gave the loop real-time priority.
     """
 
     def __init__(self, rig: Rig, port: str, *, limits: Limits | None = None, at_end: AtEnd = "off") -> None:
@@ -71,6 +72,7 @@ class Driver:
             self.cycle = Cycle(self.bus, self.rig)
             self.watch = Watch(self.rig, self.limits, self._min_voltage())
             self.pace = Pace(self.rig.cycle_s)
+            self.realtime = stack.enter_context(realtime_priority())
             self._stack = stack.pop_all()
         return self
 
@@ -156,15 +158,16 @@ class Driver:
             KeyboardInterrupt: Ctrl-C or SIGTERM came.
         """
         assert self._goal is not None, "enable() comes first"
-        raw = self.rig.to_raw(goals)
+        raw, valid = self.rig.to_raw(goals), self._goal
+        self.pace.resume()
         for goal, command in zip(goals, raw, strict=True):
             self._interrupts.check()
             reading = self.cycle.exchange(command)
             try:
-                self.watch.check(reading, self._goal)
+                self.watch.check(reading, valid)
             except LostContact as lost:
                 raise self._diagnose(lost.suspects) from None
-            self._goal = goal
+            self._goal = valid = goal
             late = self.pace.sleep()
             if record is not None:
                 record(time.perf_counter(), late, goal, reading)

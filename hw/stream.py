@@ -33,6 +33,7 @@ class StreamReport:
         rate: achieved rate and jitter; None in a dry run.
         method: how the servos were read.
         latency_timer: what became of the port's latency timer.
+        realtime: whether the loop ran with real-time priority.
         lost_replies: readings that did not come and were made up for by the next.
         errors: what went wrong without stopping the stream.
         following_error_rad: largest distance between goal and measured angle.
@@ -49,6 +50,7 @@ class StreamReport:
     rate: RateStatistics | None
     method: str
     latency_timer: str
+    realtime: bool
     lost_replies: int
     errors: tuple[str, ...]
     following_error_rad: float
@@ -161,6 +163,7 @@ def _report(driver: Driver, port: str, goals: Goals, recording: Telemetry, *, dr
         rate=rate,
         method=driver.cycle.method,
         latency_timer=driver.bus.latency,
+        realtime=driver.realtime,
         lost_replies=driver.watch.lost_replies,
         errors=_complaints(driver, rate),
         following_error_rad=driver.watch.max_following_error,

@@ -16,6 +16,7 @@ from typing import Self
 
 import numpy as np
 
+from hw.pace import realtime_priority
 from hw.protocol import Instruction, Packet, PacketReader, encode
 from hw.virtual.instructions import Network
 from hw.virtual.motor import MotorModel
@@ -166,6 +167,10 @@ class VirtualBus:
         self.stop()
 
     def _serve(self) -> None:
+        with realtime_priority():
+            self._serve_packets()
+
+    def _serve_packets(self) -> None:
         reader = PacketReader()
         while not self._stop.is_set():
             readable, _, _ = select.select([self._master], [], [], _IDLE_S)
