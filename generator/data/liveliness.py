@@ -49,7 +49,7 @@ class Performer:
             spine=degrees(1.5, 4.5, 1.5),
             neck=degrees(2.0, 5.0, 3.0),
             stance=0.095 + 0.018 * clipped_normal(rng),
-            sway=float(np.exp(0.35 * clipped_normal(rng))),
+            sway=float(np.exp(0.28 * clipped_normal(rng))),
             looseness=float(np.clip(1 + 0.5 * clipped_normal(rng), 0.2, 2.0)),
             swing=0.46 * (1 + 0.25 * clipped_normal(rng)),
             pelvis_yaw=0.085 * (1 + 0.2 * clipped_normal(rng)),

@@ -33,8 +33,8 @@ class Scene:
         self.time = 0.0
         self.standing = True
         self.performer = Performer.draw(self.rng)
-        self.hanging = self._hanging_arms()
-        self.rest = self.hanging
+        self.hanging: dict[str, Floats] = self._hanging_arms()
+        self.rest: dict[str, Floats] = self.hanging
         self._solver_seed = int(self.rng.integers(2**32))
         skew = self.rng
         self.tracks: dict[str, Track] = {

@@ -90,8 +90,8 @@ class Solver:
         grounded = self.air < 0.005
         quiet = self.both * grounded * (self._sample("crouch")[:, 0] < 0.12)
         speed = [np.linalg.norm(np.gradient(self._sample(f"arm_{s}")[:, :2], axis=0), axis=-1) for s in SIDES]
-        busy = np.clip(_smooth(np.sum(speed, axis=0) * _RATE, 0.3), 0, 3) * quiet  # busy arms move the body
-        pressure = pressure + self.noise.draw(0.020, 0.024, band=(0.3, 1.5)) * busy[:, None]
+        busy = np.clip(_smooth(np.sum(speed, axis=0) * _RATE, 0.3), 0, 1.5) * quiet  # busy arms move the body
+        pressure = pressure + self.noise.draw(0.012, 0.014, band=(0.3, 1.5)) * busy[:, None]
         centre = balance.centre_of_mass_path(pressure, _RATE)
         self.centre = centre + self.noise.draw(0.007, 0.006, band=(0.05, 0.5)) * grounded[:, None]
 

@@ -59,16 +59,19 @@ def pick_up(
     span = scene.vary(1.15) / speed
     bottom, top = t + span + 0.28, t + 2 * span + 0.28
     end = top + 1.4 if place == "up" else top + 0.1 * span
-    _lower(scene, t, 0.36, 78, span)
+    _lower(scene, t, 0.37, 88, span)
     twist = 0.0 if side == "both" else -12 * SIGN[side]
-    scene.tracks["spine"].key(t + span, [0, 40, -twist], 0.0)
+    scene.tracks["spine"].key(t + span, [0, 44, -twist], 0.0)
     _lower(scene, bottom, 0.0, 0.0, span)
     scene.move("gaze", t, (t + 0.4 * span, [0, 40]), (bottom + 0.9 * span, [0, 10]), (end, [0, 0]))
+    if side != "both":
+        knee = aim(0.60, 0.05, -0.80, 0.66)
+        scene.move(f"arm_{OTHER[side]}", t, (t + span, knee), (bottom, knee), (top, scene.rest[OTHER[side]]))
     for s in sides(side):
-        floor = scene.local(0.28, 0.10 * SIGN[s])
+        floor = scene.local(0.25, 0.10 * SIGN[s])
         scene.move(
-            f"pin_{s}", t + 0.4 * span, (t + 0.45 * span, [*floor, 0.10, 0]), (t + span, [*floor, 0.07, 1]),
-            (bottom, [*floor, 0.07, 1]), (bottom + 0.5 * span, [*floor, 0.10, 0]),
+            f"pin_{s}", t + 0.4 * span, (t + 0.45 * span, [*floor, 0.10, 0]), (t + span, [*floor, 0.09, 1]),
+            (bottom, [*floor, 0.09, 1]), (bottom + 0.5 * span, [*floor, 0.10, 0]),
         )  # fmt: skip
         low, chest = aim(0.5, 0, -0.87, 0.97), hand_at(0.32, 0.06, -0.22)
         lifted = [(top, chest), (top + 0.6, chest)] if place == "up" else []
@@ -81,7 +84,7 @@ def pick_up(
 def sit_down(scene: Scene, t: float, *, height: SeatHeight = 0.46, speed: Speed = 1.0) -> float:
     """Sit down on a seat behind, hands on the thighs, and stay seated."""
     span = scene.vary(1.3) / speed
-    drop = STANDING_HEIGHT - height - 0.085
+    drop = STANDING_HEIGHT - height - 0.16  # the hips go back, which lowers the legs' reach
     scene.move("crouch", t, (t + 0.5 * span, 0.45 * drop), (t + span, drop))
     scene.move("offset", t, (t + 0.35 * span, [0, 0]), (t + span, [-0.27, 0]))
     scene.move("pelvis", t, (t + 0.5 * span, [0, 26, 0]), (t + span, [0, 8, 0]), (t + 1.35 * span, [0, -8, 0]))
@@ -120,7 +123,7 @@ def sit_and_stand(scene: Scene, t: float, *, height: SeatHeight = 0.46, hold: Ho
 def kneel(scene: Scene, t: float, *, side: Side = "right", hold: Hold = 1.0, speed: Speed = 1.0) -> float:
     """Step back with one foot, go down on that knee, stay, and come up again."""
     other, home = OTHER[side], scene.foot(side)
-    span, drop = scene.vary(1.15) / speed, 0.41
+    span, drop = scene.vary(1.15) / speed, 0.44
     t = on_one_leg(scene, t, other)
     landed = t + 0.55 / speed
     scene.swing_foot(side, t, landed, scene.local(-0.62, 0, origin=home), home[3], toe_off=20, strike=32)
@@ -149,10 +152,10 @@ def lunge(scene: Scene, t: float, *, side: Side = "right", count: Count = 1, spe
         home, out, down = scene.foot(side), scene.vary(0.6) / speed, scene.vary(0.6) / speed
         landed, bottom = t + out, t + out + down
         up = bottom + 0.2 + down
-        scene.swing_foot(side, t, landed, scene.local(scene.vary(0.78, 0.05), 0, origin=home), home[3], strike=-15)
+        scene.swing_foot(side, t, landed, scene.local(scene.vary(0.70, 0.05), 0, origin=home), home[3], strike=-15)
         stand_evenly(scene, landed - 0.1, 0.4)
         scene.move(f"roll_{other}", t, (landed, 0.4), (bottom, 0.95), (bottom + 0.2, 0.95), (up + 0.5 * out, 0.0))
-        _lower(scene, landed, 0.20, 8, down)
+        _lower(scene, landed, 0.26, 8, down)
         _lower(scene, bottom + 0.2, 0.0, 0.0, down)
         scene.tracks["weight"].hold(bottom + 0.2)
         scene.tracks["weight"].key(up, share(other))

@@ -191,11 +191,11 @@ def jog(scene: Scene, t: float, *, steps: Count = 8, curve: Curve = 0.0, speed: 
     flying = range(1, steps)
     for i, step in enumerate(plan):
         landed = t + (i + 1) * period
-        off = landed - (1.25 if i in flying else 0.8) * period
+        off = landed - (1.36 if i in flying else 0.8) * period
         last = i == len(plan) - 1
         weight.key(off if i in flying else landed - 0.3 * period, share(OTHER[step.side]))
         weight.key(landed, share(step.side))
-        quick = {"lift": 0.085, "toe_off": 55.0, "strike": -6.0} if not last else {"lift": 0.05, "toe_off": 30.0}
+        quick = {"lift": 0.10, "toe_off": 55.0, "strike": -6.0} if not last else {"lift": 0.05, "toe_off": 30.0}
         scene.swing_foot(step.side, off, landed, step.place, step.yaw, tuck=40.0 if i in flying else 6.0, **quick)
         heading.key(landed - 0.2 * period, step.heading)
         crouch.key(landed - 0.12 * period, 0.035)
@@ -223,6 +223,7 @@ def _in_place(
     side = _some_side(scene)
     t = on_one_leg(scene, t, OTHER[side], 0.3) - 0.08
     weight = scene.tracks["weight"]
+    scene.hold(t, "swing")
     for i in range(count):
         home, down = scene.foot(side), t + 0.84 * period
         weight.key(t, share(OTHER[side]))
@@ -234,7 +235,6 @@ def _in_place(
             f"roll_{side}", t - 0.1, *((x, np.radians(a)) for x, a in (
                 (t + 0.2 * period, max(25, tip)), (t + 0.42 * period, tip), (down, 8), (t + period, 0))),
         )  # fmt: skip
-        scene.tracks["swing"].hold(t if i == 0 else 0)
         scene.tracks["swing"].key(t + 0.45 * period, [-SIGN[side] * arms[0], arms[1]])
         t += period
         if i + 1 < count:

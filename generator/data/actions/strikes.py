@@ -42,14 +42,16 @@ def _punches(scene: Scene, t: float, order: Sequence[Side], speed: float) -> flo
 @action("whole")
 def punch(scene: Scene, t: float, *, side: Side = "right", count: Count = 1, speed: Speed = 1.0) -> float:
     """Punch straight ahead with one hand."""
-    return _punches(scene, t, [side] * count, speed)
+    order: list[Side] = [side] * count
+    return _punches(scene, t, order, speed)
 
 
 @action("whole")
 def alternate(scene: Scene, t: float, *, count: Count = 4, speed: Speed = 1.0) -> float:
     """Box: `count` straight punches, left and right in turn."""
     first: Side = "left" if scene.rng.random() < 0.5 else "right"
-    return _punches(scene, t, [first if i % 2 == 0 else OTHER[first] for i in range(count)], speed)
+    order: list[Side] = [first if i % 2 == 0 else OTHER[first] for i in range(count)]
+    return _punches(scene, t, order, speed)
 
 
 @action("whole")

@@ -74,12 +74,12 @@ def twist(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> fl
 @action("trunk")
 def sway(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> float:
     """Shift the weight from side to side `count` times."""
-    beat = scene.vary(1.9) / speed
+    beat = scene.vary(2.3) / speed
     first = 1 if scene.rng.random() < 0.5 else -1
     offset, spine = [], []
     for i in range(2 * count):
         side, now = first * (1 - 2 * (i % 2)), t + (i + 0.7) * beat / 2
-        offset.append((now, [0, scene.vary(0.085, 0.06) * side]))
+        offset.append((now, [0, scene.vary(0.13, 0.06) * side]))
         spine.append((now, [-9 * side, 0, 0]))
     end = t + (count + 0.4) * beat
     scene.move("offset", t, *offset, (end, [0, 0]))
@@ -119,7 +119,7 @@ def look(
     left, down = {"left": (68, 0), "right": (-68, 0), "up": (0, -48), "down": (0, 46)}[direction]
     end = t + span + hold
     scene.move("gaze", t, (t + span, [left, down]), (end, [left, down]), (end + span, [0, 0]))
-    bend = [0, 0.12 * down, 0.25 * left]
+    bend = [0, 0.15 * down, 0.35 * left]
     scene.move("spine", t, (t + span + 0.1, bend), (end, bend), (end + span, _ZERO))
     return end + span
 
@@ -141,4 +141,6 @@ def shake_head(scene: Scene, t: float, *, count: Count = 3, speed: Speed = 1.0) 
     angles = [scene.vary(40) * first * (1 - 2 * (i % 2)) for i in range(2 * count)]
     keys = [(t + (i + 0.5) * beat / 2 + 0.1, np.array([angle, 3.0])) for i, angle in enumerate(angles)]
     scene.move("gaze", t, *keys, (t + count * beat + 0.35, [0, 0]))
+    turns = [(time + 0.03, [0, 0, 0.15 * angle]) for (time, _), angle in zip(keys, angles, strict=True)]
+    scene.move("spine", t, *turns, (t + count * beat + 0.35, _ZERO))
     return t + count * beat + 0.35

@@ -1,0 +1,118 @@
+"""The pose space: joints, fit and mirror agree with one another."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from generator.data import body
+from generator.data.actions import perform
+from generator.data.pose import ARM_CHANNELS, CHANNELS, Pose, centre_of_mass, fit, joints, mirror
+from generator.data.scene import Scene
+from ros_free_stack.errors import InvalidMessage
+from ros_free_stack.skeleton import BONES, INDEX, MIRRORED
+
+
+def walking_and_waving(seed: int = 1) -> Pose:
+    scene = Scene(seed)
+    perform(scene, "wave", side="right", advance=False)
+    perform(scene, "walk", steps=5, curve=40.0)
+    return scene.solve()
+
+
+def test_channels_have_one_row_a_frame():
+    pose = walking_and_waving()
+    assert set(pose) == set(CHANNELS)
+    assert {len(channel) for channel in pose.values()} == {len(pose["root"])}
+
+
+def test_bones_keep_their_lengths():
+    places = joints(walking_and_waving())
+    for parent, child in BONES:
+        lengths = np.linalg.norm(places[:, child] - places[:, parent], axis=-1)
+        assert np.ptp(lengths) < 1e-9, (parent, child)
+
+
+def test_mirrored_pose_gives_reflected_joints():
+    pose = walking_and_waving()
+    np.testing.assert_allclose(joints(mirror(pose)), joints(pose)[:, MIRRORED] * [1, -1, 1], atol=1e-9)
+
+
+def test_mirror_twice_is_the_identity():
+    pose = walking_and_waving()
+    again = mirror(mirror(pose))
+    for name in CHANNELS:
+        np.testing.assert_allclose(again[name], pose[name], atol=1e-12)
+
+
+def test_fit_recovers_joints():
+    places = joints(walking_and_waving())
+    error = np.linalg.norm(joints(fit(places)) - places, axis=-1)
+    assert error.mean() < 0.03
+    assert error.max() < 0.12  # collars are not fitted: the shoulders differ while an arm is raised
+
+
+def test_fit_scales_to_the_reference_body():
+    places = joints(walking_and_waving())
+    np.testing.assert_allclose(joints(fit(1.2 * places)), joints(fit(places)), atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", [(5, 21, 3), (22, 3), (0, 22, 3)])
+def test_fit_rejects_other_shapes(shape):
+    with pytest.raises(InvalidMessage, match="expected shape"):
+        fit(np.zeros(shape))
+
+
+def test_fit_rejects_nan():
+    places = joints(walking_and_waving())
+    places[3, 4, 1] = np.nan
+    with pytest.raises(InvalidMessage, match="finite"):
+        fit(places)
+
+
+def test_arm_channels_move_only_the_arms():
+    pose, other = walking_and_waving(1), walking_and_waving(1)
+    for name in ARM_CHANNELS:
+        other[name] = other[name][::-1]
+    moved = np.linalg.norm(joints(pose) - joints(other), axis=-1).max(axis=0) > 1e-9
+    names = {name for name, i in INDEX.items() if moved[i]}
+    assert names == {f"{s}_{n}" for s in ("left", "right") for n in ("shoulder", "elbow", "wrist")}
+
+
+def test_centre_of_mass_lies_inside_the_trunk_of_a_standing_person():
+    places = joints(Scene(2).solve(1.0))
+    centre = centre_of_mass(places)
+    assert np.linalg.norm((centre - places[:, 0])[:, :2], axis=-1).max() < 0.1
+    assert np.all(centre[:, 2] > 0.85)
+    assert np.all(centre[:, 2] < 1.1)
+
+
+UNIT = st.floats(-1, 1)
+
+
+@given(UNIT, UNIT, UNIT, st.sampled_from(["left", "right"]))
+@settings(max_examples=200, deadline=None)
+def test_arm_chart_inverts(x, y, z, side):
+    direction = np.array([[x, y, z]])
+    far_from_antipode = body.direction_to_chart(direction, side)
+    if np.linalg.norm(direction) < 1e-2 or np.linalg.norm(far_from_antipode) > np.pi - 1e-2:
+        return
+    np.testing.assert_allclose(body.chart_to_direction(far_from_antipode, side), body.unit(direction), atol=1e-6)
+
+
+@given(st.floats(0.05, 0.75), st.floats(-3, 3), st.floats(-3.0, 3.0))
+@settings(max_examples=100, deadline=None)
+def test_two_bone_chain_reaches_its_target_with_the_given_swivel(length, angle, swivel):
+    start, pole = np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])
+    target = length * np.array([[np.cos(angle), np.sin(angle), 0.0]])
+    middle, end = body.two_bone(start, target, body.THIGH, body.SHANK, pole, np.array([swivel]))
+    np.testing.assert_allclose(end, target, atol=1e-9)
+    assert np.linalg.norm(middle) == pytest.approx(body.THIGH)
+    assert np.linalg.norm(end - middle) == pytest.approx(body.SHANK)
+    assert body.swivel_angle(start, middle, end, pole)[0] == pytest.approx(swivel, abs=1e-6)
+
+
+def test_chain_out_of_reach_ends_short():
+    far = np.array([[0.0, 0.0, -3.0]])
+    _, end = body.two_bone(np.zeros((1, 3)), far, body.THIGH, body.SHANK, np.array([[1.0, 0, 0]]), np.zeros(1))
+    assert body.LEG * 0.999 < np.linalg.norm(end) < body.LEG
