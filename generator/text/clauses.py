@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from generator.text.inflection import FINITE_FORMS, GERUNDS, gerund, third_person
+from generator.text.inflection import FINITE_FORMS, GERUNDS, gerund, third_person, word_set
 from generator.text.wording import LIMBS, PEOPLE, SUBJECT, SUBORDINATORS
 
 if TYPE_CHECKING:
@@ -14,7 +14,9 @@ _COORDINATORS = frozenset({"and", "or", "but", "then", ".", ";"})
 _CONNECTIVES = _COORDINATORS | SUBORDINATORS | {",", "simultaneously"}
 _FINITE_TAGS = frozenset({"VBZ", "VBP", "VBD", "VB"})
 _CLAUSE_LABELS = frozenset({"ROOT", "conj", "ccomp", "parataxis", "dep", "advcl", "appos"})
-_NO_CLAUSE_AFTER = frozenset("to who that which if by without in of for from with".split())
+_NO_CLAUSE_AFTER = word_set("to who that which if by without in of for from with")
+_BEFORE_VERB = frozenset({"aux", "auxpass", "neg", "advmod"})
+_MANNERS = word_set("using lifting curving bending keeping making leaning facing taking going leading")
 _COMPARISONS = frozenset({"like", "if", "though", "because"})
 _NEVER_VERBS = frozenset({"left", "right", "jack", "jacks"})
 _POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
@@ -37,7 +39,7 @@ class Clause:
 
     `leading`: its main clause follows ("after waving, he bows"). `parallel`: it is coordinated with the clause just
     before it and shares that one's link ("after waving and clapping"). `new_sentence`: a full stop precedes it.
-    `plain_and`: only "and" or a comma links it, no word of time. `subject` is empty for a human being.
+    `plain_and`: only "and" links it, no word of time. `subject` is empty for a human being.
     """
 
     subject: str
@@ -63,7 +65,7 @@ class Clause:
 
 def clauses(doc: "Doc") -> list[Clause]:
     """The clauses of a parsed text in the order of writing; none where it has no verb."""
-    heads = [token for token in doc if _is_head(token)]
+    heads = [token for token in doc if _is_head(token) and not _is_object(token)]
     starts = [_start(head) for head in heads]
     found: list[Clause] = []
     for place, head in enumerate(heads):
@@ -83,7 +85,7 @@ def clauses(doc: "Doc") -> list[Clause]:
                 link=link,
                 leading=link is not Link.NEXT and (place == 0 or bool(link_words & _COORDINATORS)) and not together,
                 parallel=place > 0 and not link_words & SUBORDINATORS and _is_parallel(heads, place),
-                plain_and=bool(link_words) and link_words <= {"and", ","},
+                plain_and="and" in link_words and link_words <= {"and", ","},
                 new_sentence=bool(link_words & {".", ";"}),
             )
         )
@@ -92,7 +94,13 @@ def clauses(doc: "Doc") -> list[Clause]:
 
 def _is_head(token: "Token") -> bool:
     before_jacks = token.i + 1 < len(token.doc) and token.nbor().text in {"jack", "jacks"}
-    if token.text in _NEVER_VERBS or before_jacks or any(child.dep_ == "auxpass" for child in token.children):
+    exercise = token.i > 0 and token.nbor(-1).text in {"calf", "knee", "leg"} and token.text in {"raises", "lifts"}
+    if (
+        token.text in _NEVER_VERBS
+        or before_jacks
+        or exercise
+        or any(child.dep_ == "auxpass" for child in token.children)
+    ):
         return False
     if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS | {"VBG"}):
         return not _is_auxiliary(token)
@@ -104,6 +112,13 @@ def _is_head(token: "Token") -> bool:
         return token.dep_ == "conj" and token.head.tag_ == "VBZ" and token.n_lefts == 0 and _is_head(token.head)
     participle = token.tag_ == "VBD" and _governor(token) in LIMBS  # "with the arms stretched out"
     return token.tag_ in _FINITE_TAGS and not participle
+
+
+def _is_object(token: "Token") -> bool:
+    """A noun that was parsed as a verb with its determiner as subject: "does two hops", "does calf raises"."""
+    start = _start(token)
+    subject = start < token.i and token.doc[start].text != SUBJECT and token.doc[start].dep_ not in _BEFORE_VERB
+    return subject and start > 0 and token.doc[start - 1].text not in _CONNECTIVES
 
 
 def _is_auxiliary(token: "Token") -> bool:
@@ -122,25 +137,28 @@ def _is_gerund_head(token: "Token") -> bool:
         return True
     if governor in {"and", "or", ","}:
         return token.text in GERUNDS or token.dep_ in {"conj", "advcl"}
-    return token.dep_ == "advcl"
+    return token.dep_ == "advcl" and token.text not in _MANNERS
 
 
 def _governor(token: "Token") -> str:
     """The nearest word before a verb that is neither its adverb nor its auxiliary."""
     place = token.i - 1
-    while place >= 0 and (token.doc[place].dep_ in {"aux", "auxpass", "neg"} or _is_adverb(token.doc[place], token)):
+    while place >= 0 and _belongs_before(token.doc[place], token):
         place -= 1
     return token.doc[place].text if place >= 0 else ""
 
 
-def _is_adverb(token: "Token", verb: "Token") -> bool:
+def _belongs_before(token: "Token", verb: "Token") -> bool:
+    """Auxiliaries and adverbs of a verb, which stand between it and its subject."""
+    if token.dep_ in _BEFORE_VERB - {"advmod"} and token.text != "to":
+        return True
     return token.tag_ == "RB" and token.text not in _CONNECTIVES and (token.head == verb or token.text.endswith("ly"))
 
 
 def _start(head: "Token") -> int:
     """Where the clause of a verb starts: at its subject, else at its adverbs and auxiliaries."""
     doc, place = head.doc, head.i
-    while place > 0 and (doc[place - 1].dep_ in {"aux", "auxpass", "neg"} or _is_adverb(doc[place - 1], head)):
+    while place > 0 and _belongs_before(doc[place - 1], head):
         place -= 1
     if place > 0 and doc[place - 1].text == SUBJECT:
         return place - 1
@@ -152,7 +170,7 @@ def _start(head: "Token") -> int:
 
 def _subject(doc: "Doc", start: int, head: "Token") -> str:
     """The words of a subject that is no human being, "" for one that is (or none)."""
-    nouns = [token.text for token in doc[start : head.i] if token.dep_ not in {"aux", "auxpass", "neg", "advmod"}]
+    nouns = [token.text for token in doc[start : head.i] if token.dep_ not in _BEFORE_VERB]
     return "" if not nouns or nouns[-1] in PEOPLE else " ".join(nouns)
 
 

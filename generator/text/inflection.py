@@ -7,21 +7,30 @@ tells verbs from nouns that look alike ("waves", "steps", "punch") where a tagge
 import re
 from types import MappingProxyType
 
-MOTION_VERBS = frozenset(
+
+def word_set(words: str) -> frozenset[str]:
+    """The words of a text."""
+    return frozenset(words.split())
+
+
+MOTION_VERBS = word_set(
     """
     accelerate advance approach balance beckon bend bounce bow box brace bring brush carry cartwheel catch chop
     circle clap clean clench climb close collapse come cover crawl creep cross crouch curl curtsy dab dance dash dip
     dive do dodge drag drink drop duck dust elbow enter exit extend face fall fight flail flap flex flip fold
-    freeze gallop gesture get give glance go grab greet grip halt hit hold hop hug hunch hurdle hurry imitate inspect jab
+    freeze gallop gesture get give glance go grab greet grip halt hit hold hop hug hunch hurdle hurry imitate
+    inspect jab
     jerk jog juggle jump kick kneel knock lean leap lie lift limp look lower lunge lurch make march mime mimic move
     nod open pace paddle pantomime pat pause perform pick pivot place play point pose pour practise practice prance
-    pray press pretend proceed pull pump punch push put raise rock recover reach rest retreat return ride rise roll rotate rub run
+    pray press pretend proceed pull pump punch push put raise rock recover
+    reach rest retreat return ride rise roll rotate rub run
     rush salute saunter scoop scratch scurry sway seem shadowbox shake shift shiver shrug shuffle sidestep set sit skate
     skip slam slap slide slip slouch smash sneak spin spread sprint squat squeeze stagger stamp stand start stay
     steady step stir stomp stoop stop straighten stretch stride strike stroll strut stumble swat sweep swim swing
     swipe take tap throw tilt tiptoe toss touch trip trot trudge tug tumble turn twirl twist type uncross unfold
     vault waddle wait walk wander wash wave weave wiggle wipe wobble yawn zigzag
-    """.split()
+    applaud motion rehearse gaze shimmy spar
+    """
 )
 
 _IRREGULAR_THIRD = {"be": "is", "have": "has"}
@@ -29,7 +38,8 @@ _IRREGULAR_PAST = {
     "bend": "bent", "bring": "brought", "catch": "caught", "come": "came", "creep": "crept", "do": "did",
     "drink": "drank", "fall": "fell", "fight": "fought", "freeze": "froze", "get": "got", "give": "gave", "go": "went",
     "hit": "hit", "hold": "held", "kneel": "knelt", "leap": "leapt", "lie": "lay", "make": "made", "put": "put",
-    "ride": "rode", "rise": "rose", "run": "ran", "set": "set", "shake": "shook", "sit": "sat", "slide": "slid", "spin": "spun",
+    "ride": "rode", "rise": "rose", "run": "ran", "set": "set", "shake": "shook", "sit": "sat", "slide": "slid",
+    "spin": "spun",
     "spread": "spread", "stand": "stood", "stride": "strode", "strike": "struck", "sweep": "swept", "swim": "swam",
     "swing": "swung", "take": "took", "throw": "threw", "weave": "wove",
 }  # fmt: skip

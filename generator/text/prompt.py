@@ -5,7 +5,7 @@ import unicodedata
 from functools import cache
 from importlib import import_module
 
-from generator.text.inflection import FINITE_FORMS, GERUNDS
+from generator.text.inflection import FINITE_FORMS, GERUNDS, word_set
 from ros_free_stack.errors import InvalidPrompt
 
 MAX_CHARACTERS = 500
@@ -14,13 +14,13 @@ MAX_WORDS_WITHOUT_ENGLISH = 2  # "moonwalk" and "pirouette gracefully" say nothi
 LANGUAGES = ("da", "de", "es", "fi", "fr", "hu", "id", "it", "nb", "nl", "pl", "pt", "ro", "sv", "tr", "vi", "cs")
 """Codes of the spaCy languages in Latin letters that are told from English by their function words."""
 
-_BODY_AND_PLACE = frozenset(
+_BODY_AND_PLACE = word_set(
     """
     arm arms body chest chin clockwise counterclockwise elbow elbows eye eyes feet finger fingers foot hand hands head
     heel heels hip hips jack jacks knee knees leg legs neck palm palms person shoulder shoulders thigh toe toes torso
     waist wrist backward backwards diagonally forward forwards left right sideways slow slowly quickly fast once twice
     times step steps circle place man woman robot
-    """.split()
+    """
 )
 _SPELT_ALIKE = frozenset({"arm", "hand", "man", "person", "robot", "torso"})  # in English and in its neighbours
 _WORD = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)*")

@@ -18,13 +18,15 @@ if TYPE_CHECKING:
 MAX_SEGMENTS = 5
 PERSON = "a person"
 
-_POSTURES = frozenset({"stand", "sit", "lie"})
-_POSTURE_CHANGES = frozenset({"up", "down", "back", "upright"})
 _DESCENTS = frozenset({"squat", "crouch", "kneel", "bend", "bow", "duck", "lean", "dip", "lunge", "stoop", "curtsy"})
 _RISES = frozenset({"stand", "get", "rise", "come", "return", "straighten", "go", "raise"})
 _RISEN = frozenset({"up", "upright", "standing", "again"})
 _LIFTS = frozenset({"raise", "lift", "extend", "stretch", "put", "bring", "hold", "reach", "cross", "spread", "kick"})
-_UNDOINGS = frozenset({"lower", "drop", "put", "bring", "return", "let", "take", "uncross", "relax", "set"})
+_LOWERINGS = frozenset({"lower", "drop", "uncross", "relax"})
+_PUTTINGS = frozenset({"put", "bring", "return", "let", "take", "set"})
+_BACK = frozenset({"down", "back", "away", "side", "sides"})
+_STOOPS = frozenset({"bend", "squat", "crouch", "kneel", "stoop", "reach", "lean"})
+_TAKINGS = frozenset({"pick", "grab"})
 
 
 @dataclass
@@ -80,13 +82,13 @@ def _timeline(found: list[Clause]) -> list[_Moment]:
     moments: list[_Moment] = []
     waiting_meanwhile: list[Clause] = []
     waiting_before: list[_Moment] = []
-    last_main, last = -1, _Moment
+    last_main = -1
     previous_link, previous_leading = Link.NEXT, False
     for clause in found:
         link, leading = clause.link, clause.leading
         if clause.parallel:
             link, leading = previous_link, previous_leading
-        if clause.new_sentence:
+        if clause.new_sentence or (waiting_before and moments and link is Link.NEXT and not clause.plain_and):
             moments += waiting_before
             waiting_before = []
         if link is Link.WHILE and (leading or not moments):
@@ -115,7 +117,13 @@ def _merged(moments: list[_Moment]) -> list[_Moment]:
         last = merged[-1] if merged else None
         if last is not None and _completes(last, moment.main) and not moment.meanwhile:
             last.completions.append(moment.main)
-        elif last is not None and _is_posture(last.main) and moment.main.plain_and and not _is_posture(moment.main):
+        elif (
+            last is not None
+            and _is_posture(last.main)
+            and not last.completions
+            and moment.main.plain_and
+            and not _is_posture(moment.main)
+        ):
             last.meanwhile.append(moment.main)
         else:
             merged.append(moment)
@@ -123,28 +131,50 @@ def _merged(moments: list[_Moment]) -> list[_Moment]:
 
 
 def _is_posture(clause: Clause) -> bool:
-    return clause.verb in _POSTURES and not _POSTURE_CHANGES & set(clause.rest.split())
+    return clause.verb == "stand" and clause.rest in {"", "still", "there"}
 
 
 def _completes(moment: _Moment, second: Clause) -> bool:
-    first = moment.main
-    return _rises_again(first, second) or _undoes(first, second) or _picks_up(first, second) or second.verb == "repeat"
+    """Does the second action belong to the one before it?"""
+    first, last = moment.main, [moment.main, *moment.completions][-1]
+    if second.verb == "repeat" or _rises_again(first, second) or _undoes(first, second):
+        return True
+    return second.plain_and and (_handles(last, second) or _looks(first, second) or _shows(first, second))
 
 
 def _rises_again(first: Clause, second: Clause) -> bool:
     """ "squats down and stands up"; of sitting only with a plain "and", as one may well stay seated."""
     rises = second.verb in _RISES and _RISEN & set(second.rest.split())
-    sits_down = first.verb in {"sit", "lie"} and second.plain_and
-    return bool(rises) and (first.verb in _DESCENTS or sits_down)
+    sits = first.verb in {"sit", "lie"} or (first.verb in {"take", "have"} and first.rest.startswith("a seat"))
+    return bool(rises) and (first.verb in _DESCENTS or (sits and second.plain_and))
 
 
 def _undoes(first: Clause, second: Clause) -> bool:
-    """ "raises both arms and lowers them": the object is a pronoun or the same limb."""
-    objects = second.rest.split()
-    same = {"it", "them"} & set(objects[:2]) or LIMBS & set(objects) & set(first.rest.split())
-    return first.verb in _LIFTS and second.verb in _UNDOINGS and bool(same)
+    """ "raises both arms and lowers them", "raises and lowers the arms": a pronoun or the same limb."""
+    words = second.rest.split()
+    undoing = second.verb in _LOWERINGS or (second.verb in _PUTTINGS and _BACK & set(words))
+    if first.verb not in _LIFTS or not undoing:
+        return False
+    same = {"it", "them"} & set(words[:2]) or LIMBS & set(words) & set(first.rest.split())
+    return bool(same) or (not first.rest and second.plain_and)
 
 
-def _picks_up(first: Clause, second: Clause) -> bool:
-    """ "bends down and picks up a ball"."""
-    return first.verb in _DESCENTS | {"reach"} and second.verb in {"pick", "grab"} and second.plain_and
+def _handles(first: Clause, second: Clause) -> bool:
+    """ "bends down and picks up a ball", "picks a ball up and lifts it"."""
+    taking = first.verb in _STOOPS and second.verb in _TAKINGS
+    taken = bool(_TAKINGS & {first.verb, *first.rest.split()})
+    lifting = taken and second.verb in {"lift", "raise", "hold", "put", "place"}
+    return taking or (lifting and second.rest.split()[:1] in (["it"], ["them"]))
+
+
+def _looks(first: Clause, second: Clause) -> bool:
+    """ "turns the head and looks to the left"."""
+    return first.verb == "turn" and first.rest == "the head" and second.verb in {"look", "gaze", "glance"}
+
+
+def _shows(first: Clause, second: Clause) -> bool:
+    """ "lifts one leg and balances", "raises the right hand and waves": the first is how the second begins."""
+    lifted = set(first.rest.split()) if first.verb in _LIFTS else set[str]()
+    return (second.verb == "balance" and bool(lifted & {"leg", "foot", "knee"})) or (
+        second.verb == "wave" and bool(lifted & {"hand", "hands"})
+    )

@@ -1,4 +1,4 @@
-"""Plain wording before the parse: one spelling for each connective and count, no lead-ins, and a subject for every verb.
+"""Plain wording before the parse: one spelling for connectives and counts, no lead-ins, a subject for every verb.
 
 Terse prompts ("squats twice", "wave, then bow") mislead a parser, which takes their verbs for nouns. Given a subject
 ("he squats twice") it reads them right, so this module writes one in wherever a clause begins with a motion verb.
@@ -6,7 +6,7 @@ Terse prompts ("squats twice", "wave, then bow") mislead a parser, which takes t
 
 import re
 
-from generator.text.inflection import FINITE_FORMS, GERUNDS, third_person
+from generator.text.inflection import FINITE_FORMS, GERUNDS, third_person, word_set
 
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 _NUMBER = "|".join((*_NUMBERS, *map(str, range(len(_NUMBERS)))))
@@ -14,7 +14,8 @@ _NUMBER = "|".join((*_NUMBERS, *map(str, range(len(_NUMBERS)))))
 _LEAD_INS = re.compile(
     r"^(?:(?:please|ok|okay|hey|hi|hello|now|so|robot|just|"
     r"(?:can|could|would|will) you|you (?:should|must|have to|need to)|"
-    r"i(?: would|'d)? (?:want|like|need) (?:you|him|her|it|them|someone|somebody|(?:the|a) (?:robot|person|man|woman)) to|"
+    r"i(?: would|'d)? (?:want|like|need) "
+    r"(?:you|him|her|it|them|someone|somebody|(?:the|a) (?:robot|person|man|woman)) to|"
     r"(?:make|let|have) (?:him|her|it|them|the robot|(?:a|the) (?:person|man|woman|figure))|let's|try to|"
     r"(?:show|generate|create|simulate|animate)(?: me)?(?= (?:a|an|the|some)\b)|"
     r"(?:an? |the )?(?:motion|animation|video|clip) (?:of|showing|in which))[, ]+)+"
@@ -25,8 +26,10 @@ _THEN = re.compile(
     r"third(?:ly)(?=[ ,])|(?:which is |is )?followed by)|and then)\b"
 )
 _FIRST = re.compile(
-    r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
+    r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )"
+    r"(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
 )
+_BUT_FIRST = re.compile(r"([^.;]+?),? but first ([^.;]+)")
 _TOGETHER = re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?")
 _HEDGES = re.compile(r"\b(?:appears?|seems?|is seen|can be seen) (?:to be |to |(?=\w+ing))")
 _TIMES = re.compile(rf"\b(?:x ?(\d+)|({_NUMBER}) ?(?:x|times?|×))(?![\w])")
@@ -36,20 +39,18 @@ OPENERS = frozenset({"", ".", ";", ",", "and", "or", "but", "then", "simultaneou
 SUBORDINATORS = frozenset({"after", "before", "while", "as", "when"})
 SUBJECT = "he"
 
-PEOPLE = frozenset(
+PEOPLE = word_set(
     """
     person man woman guy boy girl lady gentleman human humanoid individual figure character robot actor dancer kid
-    child stickman subject male female someone somebody he she they you we i
-    """.split()
+    child stickman subject male female someone somebody he she it they you we i
+    """
 )
 _HUMAN_SUBJECT = re.compile(
     r"(^|[.,;] |\b(?:and|or|but|then|simultaneously|after|before|while|as|when) )"
     rf"(?:(?:an?|the|this|that|some|another|one) (?:[a-z]+ )?)?(?:{'|'.join(sorted(PEOPLE))})(?:'s)? (?!and |or )"
 )
 _MISPLACED_THEN = re.compile(rf"\b{SUBJECT} then\b")
-LIMBS = frozenset(
-    "hand hands arm arms leg legs foot feet head knee knees elbow elbows shoulder shoulders palm palms".split()
-)
+LIMBS = word_set("hand hands arm arms leg legs foot feet head knee knees elbow elbows shoulder shoulders palm palms")
 _LIMB = "|".join(sorted(LIMBS))
 _LIMB_SUBJECT = re.compile(
     rf"(^|[.,;] |\b(?:and|then|simultaneously) )((?:the|his|her|their|your|both|a|one|a person's|the person's)"
@@ -58,7 +59,8 @@ _LIMB_SUBJECT = re.compile(
 _NOUN_ACTION = re.compile(
     rf"(^|[.,;] |\b(?:and|then|simultaneously|after|before) )"
     rf"((?:(?:an?|the|one more|another|{_NUMBER}|some|a few|a couple of|several) (?:[a-z]+ )?)?)"
-    r"(jumping jacks?|star jumps?|push ups?|[a-z]+)(?=$| ?[.,;]| (?:and|then|with|to|while|before|after|in|of|forwards?|up)\b)"
+    r"(jumping jacks?|star jumps?|push ups?|[a-z]+)"
+    r"(?=$| ?[.,;]| (?:and|then|with|to|while|before|after|in|of|forwards?|up)\b)"
 )
 _WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[.,;]")
 _ADVERB = re.compile(r"[a-z]{2,}ly|once|again|also|both|immediately")
@@ -72,7 +74,7 @@ def plain_wording(prompt: str) -> str:
     text = re.sub(r"(?:\s*\.)+", " .", " ".join(text.split())).strip(" .,;")
     text = _LEAD_INS.sub("", text)
     text = _FIRST.sub(r"\1", text)
-    text = re.sub(r"\bwhilst\b", "while", text)
+    text = _BUT_FIRST.sub(r"\2 . then \1", text.replace("whilst", "while"))
     text = _HEDGES.sub(lambda found: "is " if found.group().endswith("be ") else "", text)
     text = _THEN.sub("then", text)
     text = _TOGETHER.sub(" simultaneously", text)
