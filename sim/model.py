@@ -27,14 +27,14 @@ TIMESTEP_S = 0.002
 G1_STANDING_HEIGHT_M = 0.787
 """Height of G1's pelvis in its standing pose: the size that length and speed thresholds are stated for."""
 
-_CACHE_VERSION = "2"
+_CACHE_VERSION = "3"
 
 
 def judging_model(robot: RobotDescription, *, mount: Mount = "free") -> mujoco.MjModel:
     """The robot on a floor (`free`) or with its root held in the air (`fixed`), compiled or from the cache.
 
     Collision geoms are the model's own, as convex hulls. Pairs of bodies that overlap in the standing pose by
-    design never collide. Actuator forces are limited to the description's torque limits.
+    design never collide. Actuators have the description's torque limits, Dynamixels their speed-torque line.
     """
     return cached_model(robot, f"judging-{mount}", lambda: _judging_spec(robot, mount))
 
@@ -81,11 +81,7 @@ def _judging_spec(robot: RobotDescription, mount: Mount) -> "mujoco.MjSpec":
     replace_meshes(spec, _hull)
     spec.option.timestep = TIMESTEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    for actuator in spec.actuators:
-        limits = robot.joints.get(actuator.target)
-        if limits is not None:
-            actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
-            actuator.forcerange = np.array([-limits.effort, limits.effort])
+    _limit_servos(spec, robot)
     for pair in _overlapping_by_design(spec.copy().compile(), robot):
         _exclude(spec, *pair)
     if mount == "free":
@@ -93,6 +89,24 @@ def _judging_spec(robot: RobotDescription, mount: Mount) -> "mujoco.MjSpec":
     else:
         _hold_root(spec, robot)
     return spec
+
+
+def _limit_servos(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:
+    """Give actuators the description's torque limits and Dynamixels their speed-torque line.
+
+    The torque of such a servo falls from the stall torque at rest to nothing at its no-load speed. A force limit at
+    the stall torque together with joint damping of stall torque over no-load speed is that line.
+    """
+    for actuator in spec.actuators:
+        limits = robot.joints.get(actuator.target)
+        if limits is None:
+            continue
+        actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        actuator.forcerange = np.array([-limits.effort, limits.effort])
+        if robot.servos is not None:
+            joint = spec.joint(actuator.target)
+            joint.damping = np.zeros_like(joint.damping)
+            joint.damping[0] = limits.effort / limits.velocity
 
 
 def _hold_root(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:

@@ -30,7 +30,7 @@ AFTERMATH_S = 0.6
 DCM_GAIN = 1.2
 """Ankle offset over DCM error per height of the centre of mass."""
 
-_DYNAMICS_DT_S = 0.01
+_DYNAMICS_DT_S = 0.02
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Playback:
         joint_pos: (N, J) rad.
         joint_vel: (N, J) rad/s.
         torque: (N, J) N m, applied: the greatest magnitude.
-        demand: (N, J) N m, what the servo law asked for before its limit: the greatest magnitude.
-        saturated: (N,) share of the time with some servo at its torque limit.
+        needed: (N, J) N m, feedforward torque of the reference: the greatest magnitude.
+        saturated: (N, J) share of the time at the torque limit.
         contact_force: (N, F) N, normal force of the floor on each foot.
         height_error: (N,) m, of the torso body against the reference, greatest.
         orientation_error: (N,) difference of gravity along the torso's z axis, 0 to 2, greatest.
@@ -61,7 +61,7 @@ class Playback:
     joint_pos: Floats
     joint_vel: Floats
     torque: Floats
-    demand: Floats
+    needed: Floats
     saturated: Floats
     contact_force: Floats
     height_error: Floats
@@ -79,6 +79,7 @@ class _Plan:
 
     start: Floats  # (nq,)
     ctrl: Floats  # (S, J) servo goals with feedforward, rad
+    torque: Floats  # (S, J) feedforward, N m
     com: Floats  # (S, 3)
     dcm: Floats  # (S, 2)
     standing: Bools  # (S, F)
@@ -92,7 +93,6 @@ class _Log:
 
     qpos: Floats
     qvel: Floats
-    ctrl: Floats
     force: Floats
     height_error: Floats
     orientation_error: Floats
@@ -135,7 +135,7 @@ def play(reference: Reference, *, mount: Mount = "free", fall_height: float, fal
     )
     done = len(log.qpos)
     fell = None if log.fell_at_step is None else log.fell_at_step * TIMESTEP_S - HOLD_S
-    return _sample(model, robot, servos, log, at_step[at_step < min(done, steps)], fell)
+    return _sample(model, robot, plan, log, at_step[at_step < min(done, steps)], fell)
 
 
 def _servos(model: mujoco.MjModel, robot: RobotDescription) -> _Servos:
@@ -179,6 +179,7 @@ def _plan(reference: Reference, model: mujoco.MjModel, servos: _Servos, mount: M
     return _Plan(
         start=qpos[0],
         ctrl=joints(fine) + feedforward,
+        torque=torque,
         com=com,
         dcm=com[:, :2] + com_vel[:, :2] / _omega(model, com[:, 2:]),
         standing=trajectory.contacts[_nearest(fine, reference)],
@@ -219,7 +220,7 @@ def _simulate(
     ankles = [_ankle_joints(model, robot, body) for body in feet]
     steps = len(plan.ctrl)
     qpos, qvel = np.empty((steps, model.nq)), np.empty((steps, model.nv))
-    ctrl, force = np.empty((steps, len(servos.kp))), np.empty((steps, len(servos.kp)))
+    force = np.empty((steps, len(servos.kp)))
     errors = np.empty((steps, 2))
     contact_force: dict[int, Floats] = {}
     fell: int | None = None
@@ -230,7 +231,7 @@ def _simulate(
             _lean_ankles(model, data, plan, step, ankles, goal)
         data.ctrl[servos.actuators] = goal
         mujoco.mj_step(model, data)
-        qpos[step], qvel[step], ctrl[step] = data.qpos, data.qvel, goal
+        qpos[step], qvel[step] = data.qpos, data.qvel
         force[step] = data.actuator_force[servos.actuators]
         errors[step, 0] = abs(data.xpos[torso, 2] - plan.torso_height[step]) if floats else 0.0
         errors[step, 1] = abs(data.xmat[torso, 8] - plan.torso_up[step]) if floats else 0.0
@@ -244,7 +245,6 @@ def _simulate(
     return _Log(
         qpos[:done],
         qvel[:done],
-        ctrl[:done],
         force[:done],
         errors[:done, 0],
         errors[:done, 1],
@@ -298,15 +298,13 @@ def _normal_force(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> floa
 def _sample(
     model: mujoco.MjModel,
     robot: RobotDescription,
-    servos: _Servos,
+    plan: _Plan,
     log: _Log,
     at_step: np.ndarray,
     fell_at_s: float | None,
 ) -> Playback:
     """Reduce the log to the trajectory's frames."""
     addresses, dofs = joint_addresses(model, robot)
-    before = np.maximum(np.arange(len(log.qpos)) - 1, 0)
-    demand = servos.kp * (log.ctrl - log.qpos[before][:, addresses]) - servos.kd * log.qvel[before][:, dofs]
     limited = np.abs(log.force) >= 0.999 * robot.effort
     starts = np.concatenate([[0], at_step[:-1] + 1])
 
@@ -328,11 +326,11 @@ def _sample(
         body_rot=body_rot,
         joint_pos=log.qpos[at_step][:, addresses],
         joint_vel=log.qvel[at_step][:, dofs],
-        torque=greatest(np.abs(log.force[:upto])),
-        demand=greatest(np.abs(demand[:upto])),
-        saturated=np.add.reduceat(limited[:upto].any(axis=1).astype(float), starts) / counts,
+        torque=greatest(np.abs(log.force)),
+        needed=greatest(np.abs(plan.torque[:upto])),
+        saturated=np.add.reduceat(limited.astype(float), starts, axis=0) / counts[:, None],
         contact_force=np.stack([log.contact_force[int(step)] for step in at_step]),
-        height_error=greatest(log.height_error[:upto]),
-        orientation_error=greatest(log.orientation_error[:upto]),
+        height_error=greatest(log.height_error),
+        orientation_error=greatest(log.orientation_error),
         fell_at_s=fell_at_s,
     )

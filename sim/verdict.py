@@ -101,7 +101,7 @@ def _playback_checks(
         tracking.mpjpe_relative(reference, playback, limits["mpjpe_relative"]),
         tracking.joint_velocity_error(reference, playback, limits["joint_velocity_error"]),
         tracking.torque_peak(reference, playback, limits["torque_peak"]),
-        tracking.torque_saturation(playback, limits["torque_saturation"]),
+        tracking.torque_saturation(reference, playback, limits["torque_saturation"]),
     ]
     if mount == "fixed":
         return checks

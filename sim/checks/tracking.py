@@ -67,26 +67,32 @@ def joint_velocity_error(reference: Reference, playback: Playback, threshold: Th
 
 
 def torque_peak(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
-    """Greatest torque that the servo law asked for over the servo's limit; beyond 1 the servo saturates."""
+    """Greatest torque that the motion needs (inverse dynamics with floor forces) over the servo's stall torque.
+
+    On servos with a speed-torque line the share that speed costs counts as needed too.
+    """
     robot = reference.robot
-    ratio = playback.demand / robot.effort
+    ratio = playback.needed / robot.effort
     frame, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     return threshold.check(
         "torque_peak",
         ratio[frame, joint],
-        "The highest torque that a servo was asked for as a share of what it has.",
+        "The highest torque that the motion needs of a servo as a share of what it has.",
         worst_frame=int(frame),
         worst_item=robot.joint_names[int(joint)],
     )
 
 
-def torque_saturation(playback: Playback, threshold: Threshold) -> Check:
-    """Share of the time in which at least one servo was at its torque limit."""
+def torque_saturation(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Share of the time that the busiest servo spent at its torque limit in the playback."""
+    joint = int(np.argmax(playback.saturated.mean(axis=0)))
+    share = playback.saturated[:, joint]
     return threshold.check(
         "torque_saturation",
-        playback.saturated.mean(),
-        "How much of the time some servo gave all it has.",
-        worst_frame=int(np.argmax(playback.saturated)),
+        share.mean(),
+        "How much of the time the busiest servo gave all it has.",
+        worst_frame=int(np.argmax(share)),
+        worst_item=reference.robot.joint_names[joint] if share.any() else "",
     )
 
 
