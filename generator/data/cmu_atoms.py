@@ -7,11 +7,12 @@ running, its height for jumps and sitting, the speed of feet and wrists for kick
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, label
+from scipy.ndimage import gaussian_filter1d
 
 from generator.data import pose as poses
 from generator.data.joins import cut, length
@@ -73,10 +74,12 @@ class Atom:
 
 def mirror_params(params: dict[str, Any]) -> dict[str, Any]:
     """The parameters of the reflected deed: sides swapped, angles to the left turned to the right."""
-    out = {key: mirror_words(value) if isinstance(value, str) else value for key, value in params.items()}
+    out: dict[str, Any] = {
+        key: mirror_words(value) if isinstance(value, str) else value for key, value in params.items()
+    }
     for key in ("angle", "curve", "azimuth"):
-        if key in out:
-            out[key] = -out[key]
+        if key in params:
+            out[key] = -params[key]
     return out
 
 
@@ -128,16 +131,12 @@ def load_atoms(folder: Path, takes: Iterable[cmu.Take] | None = None) -> tuple[A
 
 def _spans(mask: np.ndarray, low: float = 1.4, high: float = MAX_S) -> list[tuple[int, int]]:
     """Runs of True of at least `low` seconds, cut into equal pieces of at most `high` seconds."""
-    labels, count = label(mask)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     spans: list[tuple[int, int]] = []
-    for index in range(1, count + 1):
-        frames = np.flatnonzero(labels == index)
-        size = len(frames)
-        if size < low * FPS:
-            continue
-        pieces = int(np.ceil(size / (high * FPS)))
-        edges = np.linspace(frames[0], frames[-1] + 1, pieces + 1).astype(int)
-        spans += list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+    for start, stop in edges.reshape(-1, 2):
+        if stop - start >= low * FPS:
+            pieces = int(np.ceil((stop - start) / (high * FPS)))
+            spans += pairwise(np.linspace(start, stop, pieces + 1).astype(int).tolist())
     return spans
 
 

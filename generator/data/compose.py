@@ -5,6 +5,7 @@ authored arms, and joined by a bridging step. Captions say what was performed.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
@@ -25,13 +26,13 @@ MAX_FRAMES: Final = 196
 SEGMENT_SHARES: Final = (0.34, 0.32, 0.20, 0.09, 0.05)
 """How often a clip has one, two, ... five segments."""
 MAX_JOINT_SPEED: Final = 14.0  # m/s
-_SIMULTANEOUS = 0.22
+_SIMULTANEOUS = 0.45
 _SAME_AGAIN = 0.07
+_QUICKEST, _SLOWEST = 0.85, 1.15  # time warp of captured motion
 _REAL_CLIPS = 0.32
 _ATTEMPTS = 200
 _AFTER_SITTING = ("look_around", "nod", "shake_head", "wave", "clap", "cross_arms", "drink", "point", "raise_arm")
-_SUBTLE = ("nod", "shake_head", "shrug", "stand")
-_ATOM_WEIGHTS: Final = {"walk": 3.0, "jog": 1.5, "jump": 1.5, "kick": 1.5, "ballet": 1.0, "swordplay": 0.5}
+_ATOM_WEIGHTS: Final = {"walk": 3.0, "jog": 1.5, "jump": 1.5, "kick": 1.5, "dribble": 0.5, "swordplay": 0.4}
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,7 @@ def compose_clip(rng: np.random.Generator, atoms: tuple[Atom, ...] = ()) -> Comp
     count = 1 + int(rng.choice(len(SEGMENT_SHARES), p=SEGMENT_SHARES))
     real = bool(atoms) and rng.random() < _REAL_CLIPS
     for attempt in range(_ATTEMPTS):
-        if attempt and attempt % 20 == 0 and count > 1:
+        if attempt and attempt % 50 == 0 and count > 1:
             count -= 1
         try:
             return _draw_clip(rng, count, atoms if real else ())
@@ -157,7 +158,7 @@ def draw_plan(rng: np.random.Generator, count: int, atoms: tuple[Atom, ...] = ()
         if slot in captured:
             part = _draw_atom(rng, atoms, first=slot == 0, last=slot == count - 1, brief=draw.brief)
         else:
-            part = _draw_authored(draw, plan, joined=slot + 1 in captured)
+            part = _draw_authored(draw, plan, limit=MAX_FRAMES / FPS / count, joined=slot + 1 in captured)
         plan.append(part)
     return tuple(plan)
 
@@ -170,17 +171,22 @@ def _captured_slots(rng: np.random.Generator, count: int) -> frozenset[int]:
 def _draw_atom(rng: np.random.Generator, atoms: tuple[Atom, ...], *, first: bool, last: bool, brief: bool) -> Part:
     usable = [a for a in atoms if not a.role or (a.role == "first" and first) or (a.role == "last" and last)]
     names = sorted({atom.name for atom in usable})
-    weights = np.array([_ATOM_WEIGHTS.get(name, 0.7) for name in names])
+    weights = np.array([_atom_weight(name) for name in names])
     name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
     same = [atom for atom in usable if atom.name == name]
     atom = same[int(rng.integers(len(same)))]
     atom = atom.mirrored if rng.random() < 0.5 else atom
     arms = None
     if name in ("walk", "jog") and rng.random() < _SIMULTANEOUS:
-        arms = _draw_deed(Draw(rng), "arms", ())
+        arms = _draw_deed(Draw(rng), "arms", (), length(atom.pose) / FPS)
     elif atom.cyclic:
         atom = _window(rng, atom, brief=brief)
     return Part(atom=atom, arms=arms)
+
+
+def _atom_weight(name: str) -> float:
+    """How often an atom of that name is drawn; those of single real captions are few and must not crowd the rest."""
+    return _ATOM_WEIGHTS.get(name, 0.7 if name in VOCABULARY else 0.4 if name == "walk as told" else 0.1)
 
 
 def _window(rng: np.random.Generator, atom: Atom, *, brief: bool) -> Atom:
@@ -194,8 +200,8 @@ def _window(rng: np.random.Generator, atom: Atom, *, brief: bool) -> Atom:
     return Atom(**{**vars(atom), "pose": cut(atom.pose, start, start + size), "params": params})
 
 
-def _draw_authored(draw: Draw, plan: list[Part], *, joined: bool) -> Part:
-    """The next authored part; `joined` where a captured one follows, for which the person must stand."""
+def _draw_authored(draw: Draw, plan: list[Part], *, limit: float, joined: bool) -> Part:
+    """The next authored part, mostly below `limit` s; `joined` where a captured one follows a standing person."""
     rng = draw.rng
     before = plan[-1] if plan else None
     if _sits(plan):
@@ -207,10 +213,9 @@ def _draw_authored(draw: Draw, plan: list[Part], *, joined: bool) -> Part:
         if other != before.deed.params:
             return Part(deed=Deed(before.deed.name, other))
     avoid = ("stand_up", *(("sit_down",) if joined else ()), *((before.deed.name,) if before and before.deed else ()))
-    deed = _draw_deed(draw, "", avoid)
-    if ACTIONS[deed.name].part == "legs" and deed.name != "stand" and rng.random() < 2.2 * _SIMULTANEOUS:
-        deed = Deed(deed.name, entry(deed.name).sample(Draw(rng)))
-        return Part(deed=deed, arms=_draw_deed(Draw(rng, brief=draw.brief), "arms", ()))
+    deed = _draw_deed(draw, "", avoid, limit)
+    if ACTIONS[deed.name].part == "legs" and deed.name != "stand" and rng.random() < _SIMULTANEOUS:
+        return Part(deed=deed, arms=_draw_deed(draw, "arms", (), limit))
     return Part(deed=deed)
 
 
@@ -219,15 +224,30 @@ def _sits(plan: list[Part]) -> bool:
     return "sit_down" in names and "stand_up" not in names[len(names) - names[::-1].index("sit_down") :]
 
 
-def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...]) -> Deed:
+def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...], limit: float) -> Deed:
+    """An authored deed of a part of the body ("" for any) that usually lasts at most `limit` s."""
     names = [n for n in VOCABULARY if n in ACTIONS and n not in avoid and (not part or ACTIONS[n].part == part)]
-    weights = np.array([VOCABULARY[name].weight for name in names])
-    name = names[int(draw.rng.choice(len(names), p=weights / weights.sum()))]
+    short = [name for name in names if usual_duration(name, draw.brief) <= limit] or names
+    weights = np.array([VOCABULARY[name].weight for name in short])
+    name = short[int(draw.rng.choice(len(short), p=weights / weights.sum()))]
     return Deed(name, entry(name).sample(draw))
+
+
+@cache
+def usual_duration(name: str, brief: bool) -> float:
+    """Median time in s that an action takes as it is drawn."""
+    times = []
+    for seed in range(5):
+        scene = Scene(seed=seed)
+        start = perform(scene, "sit_down") if name == "stand_up" else 0.0
+        times.append(perform(scene, name, **entry(name).sample(Draw(np.random.default_rng(seed), brief))) - start)
+    return float(np.median(times))
 
 
 def _perform(plan: tuple[Part, ...], rng: np.random.Generator) -> tuple[Pose, tuple[tuple[float, float], ...]]:
     """The pose of a whole plan and the spans of its parts, in frames."""
+    if sum(length(part.atom.pose) for part in plan if part.atom) * _QUICKEST > MAX_FRAMES:
+        raise _Redraw
     runs: list[_Run] = []
     index = 0
     while index < len(plan):
@@ -286,7 +306,7 @@ def _gap(part: Part, following: Part, rng: np.random.Generator) -> float:
 def _capture(part: Part, rng: np.random.Generator) -> _Run:
     """A captured part: warped, with authored arms where the part has them."""
     assert part.atom is not None
-    pose = warp(part.atom.pose, float(rng.uniform(0.85, 1.15)))
+    pose = warp(part.atom.pose, float(rng.uniform(_QUICKEST, _SLOWEST)))
     if part.arms:
         scene = Scene(seed=int(rng.integers(2**31)))
         perform(scene, part.arms.name, start=0.0, **part.arms.params)

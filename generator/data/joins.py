@@ -47,7 +47,14 @@ def warp(pose: Pose, factor: float) -> Pose:
     if frames < 2:
         return cut(pose, 0, frames)
     times = np.linspace(0, frames - 1, max(2, round(frames * factor)))
-    return {name: CubicSpline(np.arange(frames), channel, axis=0)(times) for name, channel in pose.items()}
+    columns = [channel.reshape(frames, -1) for channel in pose.values()]
+    warped = CubicSpline(np.arange(frames), np.hstack(columns))(times)
+    edges = np.cumsum([column.shape[1] for column in columns])[:-1]
+    parts = np.split(warped, edges, axis=1)
+    return {
+        name: part.reshape(len(times), *channel.shape[1:])
+        for (name, channel), part in zip(pose.items(), parts, strict=True)
+    }
 
 
 def place(pose: Pose, where: np.ndarray, heading: float) -> Pose:

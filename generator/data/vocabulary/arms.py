@@ -182,6 +182,7 @@ ENTRIES = (
             "<stand> with {poss} arms crossed",
         ),
         arms="<cross> both arms",
+        paced=False,
     ),
     Entry(
         "hands_on_hips",
@@ -195,6 +196,7 @@ ENTRIES = (
             "<hold> {poss} hips with both hands",
         ),
         arms="<put> both hands on the hips",
+        paced=False,
     ),
     Entry(
         "reach",

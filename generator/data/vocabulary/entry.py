@@ -64,10 +64,9 @@ class Draw:
         return self.uniform(low, low + (high - low) * (0.35 if self.brief else 1.0))
 
     def speed(self) -> float:
-        """Three in five ordinary, the others clearly slow or quick."""
-        if self.brief:
-            return self.uniform(0.95, 1.35)
-        low, high = self.pick((0.66, 0.82), (0.88, 1.15), (1.2, 1.38), p=(0.2, 0.6, 0.2))
+        """Two in three ordinary, the others clearly slow or quick."""
+        shares = (0.0, 0.65, 0.35) if self.brief else (0.16, 0.68, 0.16)
+        low, high = self.pick((0.66, 0.82), (0.9, 1.16), (1.2, 1.38), p=shares)
         return self.uniform(low, high)
 
     def size(self) -> float:
@@ -115,6 +114,7 @@ class Entry:
         arms: template of what the arms do, "" where they are still.
         legs: template of what the legs do, "" where they are still.
         weight: how often it is drawn, relative to the others.
+        paced: whether one would call it slow or quick.
     """
 
     name: str
@@ -124,6 +124,7 @@ class Entry:
     arms: str = ""
     legs: str = ""
     weight: float = 1.0
+    paced: bool = True
 
     def phrase(self, params: Params, voice: Voice, rng: np.random.Generator) -> Phrase:
         """One of many ways to say it. Side, count and speed are left out in about a third of cases."""
@@ -137,7 +138,7 @@ class Entry:
         extra = {name: values[int(rng.integers(len(values)))] for name, values in self.slots(params).items()}
         slots = {**_limbs(side, named, voice.possessive, rng), **_counts(params, rng), **_sizes(params, rng)}
         text = _fill(template, {**slots, **extra, "poss": voice.possessive})
-        return Phrase(_with_manner(text, params, rng))
+        return Phrase(_with_manner(text, params, rng) if self.paced else text)
 
     def part(self, template: str, params: Params) -> str:
         """The plainest wording of what a part does, the same for the same parameters; "" for no template."""
@@ -165,6 +166,8 @@ def _limbs(side: str, named: bool, possessive: str, rng: np.random.Generator) ->
             words[limb] = f"both {_PLURALS.get(limb, limb + 's')}"
         elif named:
             words[limb] = f"{possessive} {side} {limb}"
+        elif limb in ("leg", "foot", "knee"):
+            words[limb] = f"one {limb}"
         else:
             words[limb] = article(limb) if indefinite == "a" else f"{indefinite} {limb}"
         other = _OTHER.get(side, "")

@@ -163,6 +163,7 @@ ENTRIES = (
         ),
         legs="<balance> on {leg}",
         weight=1.6,
+        paced=False,
     ),
     Entry(
         "lunge",

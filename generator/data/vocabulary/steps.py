@@ -36,8 +36,10 @@ def _walk(params: Params) -> Slots:
         count = count // 2  # a side step closes with the other foot
     elif direction == "forward":
         way = _curve(curve) if abs(curve) > MAX_STRAIGHT_DEG else _STRAIGHT
+    onward = tuple(word for word in way if word)
     exact = (f"{number(count)} steps",) if count > 1 else ()
-    return {"way": way, "verb": verb, "steps": ("a few steps", "several steps", "some steps", *exact, *exact, *exact)}
+    steps = ("a few steps", "several steps", "some steps", *exact, *exact, *exact)
+    return {"way": way, "onward": onward, "verb": verb, "steps": steps}
 
 
 def _jog(params: Params) -> Slots:
@@ -140,13 +142,13 @@ ENTRIES = (
             "{verb} {way}",
             "{verb} {way}",
             "<take> {steps} {way}",
-            "<move> {way}",
-            "<walk> {way}",
+            "<move> {onward}",
+            "<walk> {onward}",
         ),
         slots=_walk,
         arms="<swing> naturally",
         legs="<walk> {way}",
-        weight=4.5,
+        weight=6.0,
     ),
     Entry(
         "walk_circle",
@@ -180,7 +182,7 @@ ENTRIES = (
         ),
         slots=_turn,
         legs="<turn> {round}",
-        weight=3.0,
+        weight=4.0,
     ),
     Entry(
         "march",
@@ -225,7 +227,7 @@ ENTRIES = (
             "{verb} {way}",
             "<jog> {way}",
             "{verb} {way}",
-            "<go> for a jog {way}",
+            "<jog> {way} lightly",
             "{verb} {way} at a steady pace",
         ),
         slots=_jog,

@@ -7,7 +7,7 @@ def _kick(params: Params) -> Slots:
     return {
         "high": {"low": ("low", ""), "middle": ("",), "high": ("high", "high", "")}[params["height"]],
         "way": {
-            "forward": ("", "forward", "in front", "out in front", "the air"),
+            "forward": ("", "forward", "in front", "out in front"),
             "side": ("to the side", "sideways", "out to the side"),
         }[params["direction"]],
         "kick_name": {"forward": ("kick", "front kick"), "side": ("side kick", "sideways kick")}[params["direction"]],

@@ -1,0 +1,73 @@
+"""Atoms are labelled by what was measured; the takes themselves are used where RFS_CMU names them."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from generator.data import pose as poses
+from generator.data.actions import perform
+from generator.data.cmu_atoms import Atom, load_atoms, marked_caption, mirror_params
+from generator.data.joins import length
+from generator.data.readers import cmu
+from generator.data.scene import Scene
+from ros_free_stack.errors import InvalidFile
+from ros_free_stack.skeleton import FPS, MIRRORED
+
+
+@pytest.mark.parametrize(
+    ("caption", "marked"),
+    [
+        ("a person walks forward at a slow pace.", "<walk> forward at a slow pace"),
+        ("a person is walking in a straight line", "<walk> in a straight line"),
+        ("the man jumps in the air", "<jump> in the air"),
+        ("a person walks forward and waves", ""),
+        ("a person walks, then waves", ""),
+        ("walking forward", ""),
+    ],
+)
+def test_captions_of_a_single_deed_become_phrases(caption: str, marked: str) -> None:
+    assert marked_caption(caption) == marked
+
+
+def test_reflection_swaps_sides_and_angles() -> None:
+    assert mirror_params({"side": "left", "curve": 30.0, "count": 2}) == {"side": "right", "curve": -30.0, "count": 2}
+
+
+def test_a_mirrored_atom_is_reflected_in_motion_and_words() -> None:
+    scene = Scene(seed=0)
+    perform(scene, "kick", side="left")
+    atom = Atom("kick", {"side": "left"}, scene.solve(), "1", words=("<kick> with the left leg",), legs="kicks left")
+    reflected = atom.mirrored
+    assert reflected.params == {"side": "right"}
+    assert reflected.words == ("<kick> with the right leg",)
+    assert reflected.legs == "kicks right"
+    expected = poses.joints(atom.pose)[:, MIRRORED] * [1, -1, 1]
+    assert np.allclose(poses.joints(reflected.pose), expected, atol=1e-6)
+
+
+def test_a_folder_without_index_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="index"):
+        load_atoms(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def real() -> tuple[Atom, ...]:
+    folder = os.environ.get("RFS_CMU")
+    if not folder:
+        pytest.skip("RFS_CMU does not name a folder of CMU takes")
+    wanted = {"02_01", "07_04", "09_01", "10_01", "13_11", "13_40", "14_31", "13_18", "49_19"}
+    takes = [take for take in cmu.index(Path(folder)) if take.name in wanted]
+    return load_atoms(Path(folder), takes)
+
+
+def test_real_takes_give_atoms_with_measured_labels(real: tuple[Atom, ...]) -> None:
+    by_name: dict[str, list[Atom]] = {}
+    for atom in real:
+        by_name.setdefault(atom.name, []).append(atom)
+        assert 0.9 * FPS <= length(atom.pose) <= 10 * FPS
+    assert {"walk", "jog", "kick", "jump", "balance"} <= set(by_name)
+    assert all(atom.params["direction"] == "forward" for atom in by_name["walk"])
+    assert any(atom.params["distance"] > 0.5 for atom in by_name["jump"])
+    assert any(atom.params["distance"] == 0.0 for atom in by_name["jump"])
