@@ -16,13 +16,13 @@ def wave(
 ) -> float:
     """Raise a hand beside the head and wave it `count` times."""
     up, beat = scene.vary(0.65) / speed, scene.vary(0.46) / speed
-    out, inside = hand_at(0.20, 0.40 + 0.10 * size, 0.22, 0.25), hand_at(0.18, 0.34 - 0.12 * size, 0.26, 0.25)
+    out, inside = hand_at(0.20, 0.40 + 0.10 * size, 0.22, -0.4), hand_at(0.18, 0.34 - 0.12 * size, 0.26, -0.5)
     end = t + up + count * beat
     for s in sides(side):
         swings = [
             (t + up + i / 2 * beat, (inside if i % 2 else out) + 0.03 * scene.normal()) for i in range(2 * count + 1)
         ]
-        scene.move(f"arm_{s}", t, (t + 0.5 * up, hand_at(0.30, 0.32, -0.16, 0.1)), *swings)
+        scene.move(f"arm_{s}", t, (t + 0.5 * up, hand_at(0.30, 0.32, -0.16, -0.2)), *swings)
         scene.relax(s, end + scene.vary(0.8) / speed)
     gaze = 0.0 if side == "both" else 6 * SIGN[side]
     scene.move("gaze", t, (t + 0.4, [gaze, -4]), (end, [gaze, -4]), (end + 0.6, [0, 0]))

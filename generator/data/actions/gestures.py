@@ -35,14 +35,14 @@ def _to_and_fro(
 def salute(scene: Scene, t: float, *, side: Side = "right", hold: Hold = 0.8, speed: Speed = 1.0) -> float:
     """Bring the flat hand to the brow."""
     via, up = hand_at(0.30, 0.26, -0.05, 0.4), scene.vary(0.6) / speed
-    return _to_and_back(scene, t, side, hand_at(0.12, 0.19, 0.14, -0.4), up=up, hold=hold, via=via)
+    return _to_and_back(scene, t, side, hand_at(0.12, 0.19, 0.14, -0.6), up=up, hold=hold, via=via)
 
 
 @action("arms")
 def scratch_head(scene: Scene, t: float, *, side: Side = "right", count: Count = 3, speed: Speed = 1.0) -> float:
     """Scratch the side of the head."""
     scene.move("gaze", t, (t + 0.7, [6 * SIGN[side], 12]), (t + 1.6, [0, 0]))
-    keys = hand_at(0.09, 0.15, 0.22, 0.0), hand_at(0.05, 0.15, 0.28, 0.1)
+    keys = hand_at(0.09, 0.15, 0.22, -0.8), hand_at(0.05, 0.15, 0.28, -0.8)
     up, beat = scene.vary(0.9) / speed, scene.vary(0.36) / speed
     return _to_and_fro(scene, t, side, keys, count=count, up=up, beat=beat)
 
@@ -91,7 +91,7 @@ def touch(
 ) -> float:
     """Touch the own body with a hand and let go."""
     place, via = {
-        "head": (hand_at(0.06, 0.12, 0.26, 0.1), hand_at(0.28, 0.26, 0.0, 0.3)),
+        "head": (hand_at(0.06, 0.12, 0.26, -0.9), hand_at(0.28, 0.26, 0.0, -0.2)),
         "shoulder": (hand_at(0.12, 0.16, 0.02, -0.9), None),
         "chest": (hand_at(0.16, 0.05, -0.16, 0.1), None),
         "hip": (hand_at(0.06, 0.20, -0.40, -0.1), None),

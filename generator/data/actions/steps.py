@@ -199,7 +199,7 @@ def jog(scene: Scene, t: float, *, steps: Count = 8, curve: Curve = 0.0, speed: 
         scene.swing_foot(step.side, off, landed, step.place, step.yaw, tuck=40.0 if i in flying else 6.0, **quick)
         heading.key(landed - 0.2 * period, step.heading)
         crouch.key(landed - 0.12 * period, 0.035)
-        crouch.key(landed + 0.36 * period, 0.085)
+        crouch.key(landed + 0.36 * period, 0.085 if i in flying else 0.05)
     end = t + (len(plan) + 1) * period + 0.25
     heading.key(end - 0.3, plan[-1].heading, 0.0)
     crouch.key(end, 0.0, 0.0)
