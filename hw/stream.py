@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hw.bus import Bus
 from hw.calibration import load_calibration
 from hw.driver import AtEnd, Driver
 from hw.resample import Goals, ramp, resample
@@ -67,10 +68,11 @@ class StreamReport:
         """99th percentile of the lateness of the cycles, ms."""
         return self.rate.jitter_p99_ms if self.rate else 0.0
 
-    def to_json(self) -> dict[str, Any]:
-        """All fields, with the rate statistics flat beside them."""
+    def as_dict(self) -> dict[str, Any]:
+        """All fields, with the rate statistics flat among them."""
         data = asdict(self)
-        return {**data, **(data.pop("rate") or {}), "jitter_p99_ms": self.jitter_p99_ms}
+        rate = data.pop("rate") or {}
+        return {**data, **rate}
 
 
 def stream(
@@ -141,6 +143,18 @@ def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDes
     if not verdict.passed:
         failed = ", ".join(check.name for check in verdict.failures) or "it holds no check"
         raise UnsafeCommand(f"the verdict did not pass ({failed}): only a feasible motion is streamed")
+
+
+def check_port(port: str, robot: RobotDescription) -> None:
+    """Fail early where a stream could not even begin: the robot has no servos, or the port does not open.
+
+    Raises:
+        InvalidOption: the robot has no servos.
+        PortError: the port cannot be opened.
+    """
+    rig = Rig.of_robot(robot)
+    if port != SIMULATED:
+        Bus(port, rig.baud).close()
 
 
 @contextmanager
