@@ -1,4 +1,4 @@
-"""Locomotion: steps, walks, turns and stepping in place; the arms stay free."""
+"""Locomotion: steps, walks, turns and a dance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import numpy as np
 
 from generator.data.actions.registry import Angle, Count, Hold, Range, Size, Speed, action
-from generator.data.actions.support import on_one_leg, share, stand_evenly
-from generator.data.body import BALL_HEIGHT, OTHER, SIGN, Floats, Side
+from generator.data.actions.support import on_one_leg, share, some_side
+from generator.data.body import OTHER, SIGN, Floats, Side
 from generator.data.scene import Scene
 
 _NARROW = 0.07  # half the width of a walk's track, m
@@ -23,10 +23,6 @@ class Footstep:
     place: Floats
     yaw: float
     heading: float
-
-
-def _some_side(scene: Scene) -> Side:
-    return "left" if scene.rng.random() < 0.5 else "right"
 
 
 def _footstep(scene: Scene, side: Side, centre: Floats, heading: float, *, width: float | None = None) -> Footstep:
@@ -89,7 +85,7 @@ def step(
         "forward": (0.42, 0), "backward": (-0.36, 0), "left": (0, 0.36), "right": (0, -0.36),
         "diagonal_left": (0.32, 0.28), "diagonal_right": (0.32, -0.28),
     }[direction]  # fmt: skip
-    lead: Side = "left" if left > 0 else "right" if left < 0 else _some_side(scene)
+    lead: Side = "left" if left > 0 else "right" if left < 0 else some_side(scene)
     centre, heading, plan = scene.centre, scene.heading, []
     for _ in range(count):
         centre = scene.local(forward * scene.vary(size, 0.05), left * size, origin=centre)
@@ -100,7 +96,7 @@ def step(
 
 def _path(scene: Scene, steps: int, length: float, curve: float, width: float = _NARROW) -> list[Footstep]:
     """Steps along an arc of `curve` degrees in all, the first and the last one short, closed with both feet level."""
-    side, heading, centre, plan = _some_side(scene), scene.heading, scene.centre, []
+    side, heading, centre, plan = some_side(scene), scene.heading, scene.centre, []
     turn = np.radians(curve) / steps
     for i in range(steps):
         heading += turn
@@ -209,75 +205,10 @@ def jog(scene: Scene, t: float, *, steps: Count = 8, curve: Curve = 0.0, speed: 
     return end + 0.2
 
 
-def _in_place(
-    scene: Scene,
-    t: float,
-    count: int,
-    period: float,
-    *,
-    place: tuple[float, float],
-    tip: float,
-    arms: tuple[float, float],
-) -> float:
-    """Lift the feet in turn to `place` (forward, up), toes down by `tip` degrees, the arms swinging; the end time."""
-    side = _some_side(scene)
-    t = on_one_leg(scene, t, OTHER[side], 0.3) - 0.08
-    weight = scene.tracks["weight"]
-    scene.hold(t, "swing")
-    for i in range(count):
-        home, down = scene.foot(side), t + 0.84 * period
-        weight.key(t, share(OTHER[side]))
-        weight.key(down, share(OTHER[side]))
-        forward, up = place
-        top = [*scene.local(forward, 0, origin=home), BALL_HEIGHT + scene.vary(up, 0.08), home[3]]
-        scene.move(f"foot_{side}", t, (t + 0.42 * period, top), (down, home))
-        scene.move(
-            f"roll_{side}", t - 0.1, *((x, np.radians(a)) for x, a in (
-                (t + 0.2 * period, max(25, tip)), (t + 0.42 * period, tip), (down, 8), (t + period, 0))),
-        )  # fmt: skip
-        scene.tracks["swing"].key(t + 0.45 * period, [-SIGN[side] * arms[0], arms[1]])
-        t += period
-        if i + 1 < count:
-            weight.key(t, share(side))
-        side = OTHER[side]
-    scene.tracks["swing"].key(t + 0.4, [0, 0], 0.0)
-    weight.key(t + 0.25, 0.5)
-    return t + 0.4
-
-
-@action("legs")
-def march(scene: Scene, t: float, *, count: Count = 6, speed: Speed = 1.0) -> float:
-    """March in place, `count` high knees in all."""
-    return _in_place(scene, t, count, scene.vary(0.56) / speed, place=(0.14, 0.26), tip=18, arms=(0.55, 0.10))
-
-
-@action("legs")
-def jog_in_place(scene: Scene, t: float, *, count: Count = 10, speed: Speed = 1.0) -> float:
-    """Jog in place, `count` steps in all, heels behind."""
-    return _in_place(scene, t, count, scene.vary(0.36) / speed, place=(-0.12, 0.15), tip=55, arms=(0.35, 0.22))
-
-
-@action("legs")
-def stomp(scene: Scene, t: float, *, side: Side = "right", count: Count = 1, speed: Speed = 1.0) -> float:
-    """Lift a foot and stamp it down hard."""
-    t = on_one_leg(scene, t, OTHER[side])
-    home = scene.foot(side)
-    for _ in range(count):
-        up, slam, rest = scene.vary(0.42) / speed, scene.vary(0.17) / speed**0.5, scene.vary(0.22) / speed
-        top = [*scene.local(0.12, 0, origin=home), BALL_HEIGHT + scene.vary(0.26), home[3]]
-        high, down = t + up, t + up + slam
-        scene.move(f"foot_{side}", t, (high, top), (high + 0.04, top), (down, home))
-        scene.move(f"roll_{side}", t - 0.08, (t + 0.1, 0.35), (high, 0.15), (down, 0.0))
-        scene.move("spine", t, (high, [0, -2, 0]), (down + 0.08, [0, 8, 0]), (down + 0.5, [0, 0, 0]))
-        scene.move("crouch", high, (down + 0.08, 0.035), (down + 0.4, 0.0))
-        t = down + rest
-    return stand_evenly(scene, t)
-
-
 @action("whole")
 def dance(scene: Scene, t: float, *, count: Count = 4, speed: Speed = 1.0) -> float:
     """Two-step: `count` times to the side and a touch of the other foot, bouncing, with swinging bent arms."""
-    period, lead = scene.vary(0.46) / speed, _some_side(scene)
+    period, lead = scene.vary(0.46) / speed, some_side(scene)
     home, centre, plan = scene.centre, scene.centre, []
     for i in range(count):
         side = lead if i % 2 == 0 else OTHER[lead]

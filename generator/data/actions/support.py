@@ -23,3 +23,8 @@ def stand_evenly(scene: Scene, t: float, span: float = 0.45) -> float:
     weight.hold(t - 0.05)
     weight.key(t + span, 0.5)
     return t + span
+
+
+def some_side(scene: Scene) -> Side:
+    """Either side, drawn by lot."""
+    return "left" if scene.rng.random() < 0.5 else "right"
