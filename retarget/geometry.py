@@ -13,8 +13,6 @@ from ros_free_stack.robots import RobotDescription
 
 POINTS = (
     "pelvis",
-    "left_shoulder",
-    "right_shoulder",
     "left_elbow",
     "right_elbow",
     "left_wrist",
@@ -22,7 +20,10 @@ POINTS = (
     "left_knee",
     "right_knee",
 )
-"""Human joints whose positions a robot follows where its description attaches them; feet are followed as frames."""
+"""Human joints whose positions a robot follows where its description attaches them.
+
+Feet are followed as frames. Shoulders follow from the pelvis and the torso, and on some robots wander as an arm turns.
+"""
 
 
 @dataclass(frozen=True)

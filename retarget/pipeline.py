@@ -5,15 +5,19 @@ from time import perf_counter
 
 import numpy as np
 
+from retarget.balance import SHRINK, balanced_com, supports, zmp_excess
+from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
 from retarget.human import align
-from retarget.report import RetargetReport, make_report
+from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
 from retarget.targets import Targets, make_targets
 from retarget.timeline import plan_timeline
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
+
+BALANCE_PASSES = 2
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ class Retargeter:
         self._solver = FrameSolver(self._geometry)
         self.preparation_s = perf_counter() - started
 
-    def retarget(self, motion: HumanMotion, *, fps: float = 50.0) -> RetargetResult:
+    def retarget(self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True) -> RetargetResult:
         """See `retarget`."""
         if not (np.isfinite(fps) and fps > 0):
             raise InvalidOption("fps", f"expected a positive number, found {fps}")
@@ -51,10 +55,28 @@ class Retargeter:
         started = perf_counter()
         solution = self._solver.solve(targets)
         times["solve"] = perf_counter() - started
+        excess = None
+        if balance:
+            started = perf_counter()
+            solution, excess = self._balanced(targets, solution)
+            times["balance"] = perf_counter() - started
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
-            report=make_report(self._geometry, targets, solution, None, times),
+            report=make_report(self._geometry, targets, solution, excess, times),
         )
+
+    def _balanced(self, targets: Targets, solution: Solution) -> tuple[Solution, dict[str, Spread]]:
+        """Solve again with a centre of mass that keeps the ZMP inside the support polygons."""
+        geometry, fps = self._geometry, targets.fps
+        wanted = solution.centre_of_mass[:, :2]
+        inner, outer = (supports(geometry, targets, shrink) for shrink in (SHRINK, 1.0))
+        dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
+        excess = {"before": _spread_cm(zmp_excess(dynamics.zmp, outer))}
+        for _ in range(BALANCE_PASSES):
+            com = balanced_com(dynamics, wanted, inner, fps)
+            solution = self._solver.solve(targets.shifted(com - wanted), com)
+            dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
+        return solution, excess | {"after": _spread_cm(zmp_excess(dynamics.zmp, outer))}
 
     def _trajectory(self, targets: Targets, solution: Solution) -> RobotTrajectory:
         quaternions = solution.qpos[:, 3:7]
@@ -71,7 +93,9 @@ class Retargeter:
         )
 
 
-def retarget(motion: HumanMotion, robot: RobotDescription, *, fps: float = 50.0) -> RetargetResult:
+def retarget(
+    motion: HumanMotion, robot: RobotDescription, *, fps: float = 50.0, balance: bool = True
+) -> RetargetResult:
     """Make a robot's trajectory of a human motion.
 
     The trajectory starts and ends in the robot's standing pose at rest, and keeps range, speed and acceleration limits
@@ -81,12 +105,14 @@ def retarget(motion: HumanMotion, robot: RobotDescription, *, fps: float = 50.0)
         motion: the human motion.
         robot: the robot.
         fps: frame rate of the trajectory, Hz.
+        balance: shift the body so that the ZMP stays over the feet. Flight (a jump) has no support to keep it in: the
+            body then only moves on at constant velocity, and whether the robot lands is for physics to say.
 
     Raises:
         InvalidOption: `fps` is not a positive number.
         UnsupportedModel: the robot's model lacks something that retargeting needs.
     """
-    return Retargeter(robot).retarget(motion, fps=fps)
+    return Retargeter(robot).retarget(motion, fps=fps, balance=balance)
 
 
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:
@@ -94,4 +120,5 @@ def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> B
     return targets.contacts & ~solution.released & (solution.foot_error < 0.05 * geometry.ankle_height)
 
 
-__all__ = ["Floats", "RetargetResult", "Retargeter", "retarget"]
+def _spread_cm(values: Floats) -> Spread:
+    return Spread(100 * float(values.mean()), 100 * float(values.max()))

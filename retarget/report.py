@@ -15,8 +15,8 @@ GIVEN_UP_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class LimbError:
-    """Distance of a robot point to its target, cm."""
+class Spread:
+    """Mean and maximum over the frames of a clip."""
 
     mean: float
     max: float
@@ -52,12 +52,12 @@ class RetargetReport:
         timings_s: seconds of each step.
     """
 
-    position_error_cm: dict[str, LimbError]
+    position_error_cm: dict[str, Spread]
     limited_joints: dict[str, float]
     given_up: tuple[GivenUp, ...]
     slipped_contact_s: float
     flight_s: float
-    zmp_outside_cm: dict[str, LimbError] | None = None
+    zmp_outside_cm: dict[str, Spread] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
 
     def as_dict(self) -> dict[str, Any]:
@@ -76,7 +76,7 @@ def make_report(
     geometry: RobotGeometry,
     targets: Targets,
     solution: Solution,
-    zmp_outside_cm: dict[str, LimbError] | None,
+    zmp_outside_cm: dict[str, Spread] | None,
     timings_s: dict[str, float],
 ) -> RetargetReport:
     """Collect the report of a solved clip."""
@@ -84,7 +84,7 @@ def make_report(
     shares = solution.limited.mean(axis=0)
     return RetargetReport(
         position_error_cm={
-            limb: LimbError(100 * float(error.mean()), 100 * float(error.max())) for limb, error in errors.items()
+            limb: Spread(100 * float(error.mean()), 100 * float(error.max())) for limb, error in errors.items()
         },
         limited_joints={
             name: float(share) for name, share in zip(geometry.robot.joint_names, shares, strict=True) if share > 0

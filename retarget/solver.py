@@ -26,10 +26,10 @@ FIRST_ITERATIONS = 40
 FIRST_STARTS = 6
 TRUST = 0.3
 
-POINT_WEIGHTS = {"pelvis": 2.0, "shoulder": 1.0, "elbow": 2.0, "wrist": 3.0, "knee": 1.0}
+POINT_WEIGHTS = {"pelvis": 6.0, "elbow": 2.0, "wrist": 3.0, "knee": 1.0}
 """Weights of position errors in units of the leg's length."""
-ROTATION_WEIGHT = 0.4
-SWING_WEIGHTS = (10.0, 1.0)
+ROTATION_WEIGHT = 4.0
+SWING_WEIGHTS = (10.0, 3.0)
 STANCE_WEIGHTS = (40.0, 10.0)
 """Weights of a foot's (position, rotation): in the air, and standing but not yet planted."""
 COM_WEIGHT = 15.0
