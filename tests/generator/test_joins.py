@@ -1,5 +1,7 @@
 """Joins are smooth, keep feet from sliding, and place motion where the one before ended."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +16,7 @@ from ros_free_stack.errors import InvalidOption
 from ros_free_stack.skeleton import FPS
 
 
-def performed(name: str, seed: int = 0, **params: object) -> Pose:
+def performed(name: str, seed: int = 0, **params: Any) -> Pose:
     scene = Scene(seed=seed)
     perform(scene, name, **params)
     return scene.solve(tail=0.1)
