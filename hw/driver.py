@@ -66,13 +66,13 @@ class Driver:
         """
         with ExitStack() as stack:
             self._interrupts = stack.enter_context(caught_interrupts())
+            self.realtime = stack.enter_context(realtime_priority())
             self.bus = stack.enter_context(Bus(self.port, self.rig.baud))
             self._check_models()
             self._check_servos()
             self.cycle = Cycle(self.bus, self.rig)
             self.watch = Watch(self.rig, self.limits, self._min_voltage())
             self.pace = Pace(self.rig.cycle_s)
-            self.realtime = stack.enter_context(realtime_priority())
             self._stack = stack.pop_all()
         return self
 

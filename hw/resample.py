@@ -3,7 +3,7 @@
 The frames become the control points of a uniform cubic B-spline. Its positions, velocities and accelerations are
 convex combinations of the frames and of their first and second differences, so it can exceed no bound that those keep
 (de Boor, "A Practical Guide to Splines", chapter IX). It passes near the frames, not through them; the distance is
-reported. First and last frame are repeated, so that the motion starts and ends at rest, exactly on them.
+reported. Time itself eases in and out, so that a motion that begins or ends at speed still starts and ends at rest.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ros_free_stack.errors import ModelMismatch, UnsafeCommand
 from ros_free_stack.messages import Floats, RobotTrajectory
 
 _DEGREE = 3
-_REPEATS = 2
+_EASE_S = 0.3
 _ROUNDING = 1e-3
 """Relative excess over a limit that is rounding and no fault."""
 
@@ -47,18 +47,44 @@ def resample(trajectory: RobotTrajectory, rig: Rig) -> Goals:
     columns = [trajectory.joint_names.index(joint) for joint in rig.joints]
     frames = trajectory.joint_pos[:, columns]
     spline = _spline(frames, 1 / trajectory.fps)
-    start, end = spline.t[_DEGREE], spline.t[-_DEGREE - 1]
-    times = np.append(np.arange(start, end, rig.cycle_s), end)
-    _check(rig, frames, times, spline.derivative(1)(times), spline.derivative(2)(times))
+    duration = (len(frames) - 1) / trajectory.fps
+    times, phase, rate, change = _eased(duration, rig.cycle_s)
+    slope = spline.derivative(1)(phase)
+    acceleration = spline.derivative(2)(phase) * rate[:, None] ** 2 + slope * change[:, None]
+    _check(rig, frames, times, slope * rate[:, None], acceleration)
     deviation = np.abs(spline(np.arange(len(frames)) / trajectory.fps) - frames).max()
-    return Goals(angles=spline(times), deviation=float(deviation))
+    return Goals(angles=spline(phase), deviation=float(deviation))
 
 
 def _spline(frames: Floats, dt: float) -> BSpline:
-    """Control points are the frames, frame i at time i dt; the end frames thrice, so that the ends are exact."""
-    points = np.concatenate([np.repeat(frames[:1], _REPEATS, 0), frames, np.repeat(frames[-1:], _REPEATS, 0)])
-    knots = (np.arange(len(points) + _DEGREE + 1) - _REPEATS - (_DEGREE + 1) / 2) * dt
+    """Control points are the frames, frame i at time i dt; a mirrored point beyond each end makes the ends exact."""
+    second, last_but_one = frames[min(1, len(frames) - 1)], frames[max(-2, -len(frames))]
+    points = np.concatenate([[2 * frames[0] - second], frames, [2 * frames[-1] - last_but_one]])
+    # A single frame needs two more points to carry a cubic.
+    points = np.concatenate([points, np.repeat(points[-1:], max(0, _DEGREE + 1 - len(points)), 0)])
+    knots = (np.arange(len(points) + _DEGREE + 1) - _DEGREE) * dt
     return BSpline(knots, points, _DEGREE)
+
+
+def _eased(duration: float, cycle_s: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """Clock times (K,), the motion's own time there, its rate and the rate's change.
+
+    The rate rises from 0 to 1 as 3 x^2 - 2 x^3 over the first 0.3 s, and falls likewise over the last.
+    """
+    window = min(_EASE_S, duration)
+    total = duration + window
+    times = np.append(np.arange(0.0, total, cycle_s), total)
+    if window == 0:
+        return times, np.zeros_like(times), np.zeros_like(times), np.zeros_like(times)
+    early, late = np.clip(times / window, 0, 1), np.clip((total - times) / window, 0, 1)
+    phase = np.where(
+        times < total / 2,
+        window * (early**3 - early**4 / 2) + np.maximum(times - window, 0),
+        duration - window * (late**3 - late**4 / 2) - np.maximum(total - times - window, 0),
+    )
+    rate = early**2 * (3 - 2 * early) * late**2 * (3 - 2 * late)
+    change = 6 * (early * (1 - early) - late * (1 - late)) / window
+    return times, phase, rate, change
 
 
 def _check(rig: Rig, frames: Floats, times: Floats, velocity: Floats, acceleration: Floats) -> None:
