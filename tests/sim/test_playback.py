@@ -127,6 +127,7 @@ def test_timestep_is_500_hz(op3):
 
 def test_broken_cache_is_rebuilt(op3, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)  # where MuJoCo logs its complaint
     first = judging_model(op3)
     (file,) = (tmp_path / "ros-free-stack").iterdir()
     file.write_bytes(file.read_bytes()[:1000])

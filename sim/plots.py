@@ -1,0 +1,85 @@
+"""The plots of the report: joints against their limits, feet over the floor, torques."""
+
+from typing import Any
+
+import numpy as np
+
+from sim.playback import Playback
+from sim.reference import Reference
+
+PLANNED, SIMULATED, LIMIT, GRID = "#2563eb", "#d97706", "#dc2626", "#d1d5db"
+_COLUMNS = 5
+
+
+def _figure(width: float, height: float) -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def joints_plot(reference: Reference) -> Any:
+    """Every joint's position over time, in rad, with its range as red lines."""
+    robot, positions = reference.robot, reference.trajectory.joint_pos
+    times = np.arange(len(positions)) * reference.dt
+    rows = -(-len(robot.joints) // _COLUMNS)
+    figure = _figure(14, 1.35 * rows)
+    axes = figure.subplots(rows, _COLUMNS, sharex=True, squeeze=False).ravel()
+    for axis in axes[len(robot.joints) :]:
+        axis.set_visible(False)
+    for index, (axis, (name, limits)) in enumerate(zip(axes, robot.joints.items(), strict=False)):
+        axis.axhline(limits.lower, color=LIMIT, lw=0.8)
+        axis.axhline(limits.upper, color=LIMIT, lw=0.8)
+        axis.plot(times, positions[:, index], color=PLANNED, lw=1.2)
+        axis.set_title(name.removesuffix("_joint"), fontsize=8, pad=2)
+        _plain(axis)
+    figure.supylabel("rad", fontsize=8)
+    figure.supxlabel("s", fontsize=8)
+    return figure
+
+
+def feet_plot(reference: Reference, playback: Playback | None) -> Any:
+    """Height of each sole's lowest corner in cm, shaded while the foot should stand; floor force where simulated."""
+    feet = reference.robot.foot_names
+    times = np.arange(len(reference.qpos)) * reference.dt
+    figure = _figure(14, 2.6)
+    axes = figure.subplots(1, len(feet), sharey=True, squeeze=False).ravel()
+    for index, (axis, foot) in enumerate(zip(axes, feet, strict=True)):
+        height = 100 * reference.soles[foot][..., 2].min(axis=1)
+        planted = reference.trajectory.contacts[:, index]
+        axis.fill_between(times, 0, 1, where=planted, transform=axis.get_xaxis_transform(), color=PLANNED,
+                          alpha=0.1, lw=0, label="should stand")  # fmt: skip
+        axis.axhline(0, color=GRID, lw=1)
+        axis.plot(times, height, color=PLANNED, label="height, cm")
+        axis.set_title(f"{foot} sole", fontsize=9)
+        _plain(axis)
+        if playback is not None:
+            force = axis.twinx()
+            force.plot(times[: playback.frames], playback.contact_force[:, index], color=SIMULATED, lw=0.9)
+            force.set_ylabel("simulated force, N", color=SIMULATED, fontsize=8)
+            _plain(force)
+    axes[0].set_ylabel("planned height, cm", color=PLANNED, fontsize=8)
+    return figure
+
+
+def torque_plot(reference: Reference, playback: Playback) -> Any:
+    """One bar a servo: the greatest torque that it gave over its limit."""
+    robot = reference.robot
+    share = playback.torque.max(axis=0) / robot.effort
+    figure = _figure(14, 2.8)
+    axis = figure.subplots()
+    names = [name.removesuffix("_joint") for name in robot.joint_names]
+    axis.bar(names, share, color=[LIMIT if value >= 0.999 else PLANNED for value in share])
+    axis.axhline(1, color=LIMIT, lw=0.8)
+    axis.tick_params(axis="x", rotation=60)
+    _plain(axis)
+    return figure
+
+
+def _plain(axis: Any) -> None:
+    axis.tick_params(labelsize=7, length=2)
+    axis.grid(visible=False)
+    for spine in axis.spines.values():
+        spine.set_color(GRID)
