@@ -38,7 +38,7 @@ POSTURE, STANDING_POSTURE = 2e-2, 2.0
 """Pull of the joints toward the standing pose while following (it holds what no target moves and prefers the nearer of
 two ways to place a hand) and while standing."""
 STEP_CHANGE = 2e-2
-"""Cost of a change of step, against jitter."""
+"""Cost of a joint's change of step, against jitter; the free base, which has no limits, weighs its own tracking."""
 ROOT_SHARE = 0.1
 
 PLANTED_M, PLANTED_RAD = 0.004, 0.03
@@ -81,8 +81,9 @@ class FrameSolver:
         self._damping = np.full(geometry.model.nv, DAMPING)
         self._damping[:6] *= ROOT_SHARE
         self._smoothing = np.full(geometry.model.nv, STEP_CHANGE)
-        self._smoothing[:6] *= ROOT_SHARE
         leg = geometry.length("left_hip", "left_knee", "left_ankle")
+        self._smoothing[:3] = (POINT_WEIGHTS["pelvis"] / leg) ** 2
+        self._smoothing[3:6] = ROTATION_WEIGHT**2
         weights = [POINT_WEIGHTS[name.removeprefix("left_").removeprefix("right_")] for name in geometry.followed]
         self._per_leg = 1 / leg
         self._posture = POSTURE

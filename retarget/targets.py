@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from retarget import human as hm
@@ -13,7 +14,18 @@ from retarget.human import HumanClip, joint, unit, yaw_rotation
 from retarget.timeline import Timeline
 from ros_free_stack.messages import Bools, Floats
 
-WIDEST_TOE_OUT = 1.0
+WIDEST_TOE_OUT = 0.35
+SOLE_GAP = 0.8
+"""Least room between soles side by side, in widths of a sole."""
+BODY_WIDTH, BODY_DEPTH = 1.9, 1.6
+"""Half axes of the ellipse around the hips that hands and elbows stay out of, in half distances of the hips."""
+LONGEST_LEG = 0.97
+"""Share of its full length to which a leg that bears weight is stretched."""
+LOWERED_HIP = 0.93
+"""Height, in leg lengths, to which the hips may come down in a long step."""
+SHORTEST_STRIDE = 0.6
+LANDING_S = 0.1
+"""Time before touch-down and after lift-off in which a leg counts as bearing weight."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +66,13 @@ def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline) -
     """Targets of a robot for a clip, from standing to standing."""
     joints, detected = clip.sample(timeline.human_s)
     scale = geometry.hip_height / clip.leg_length
-    feet = _foot_paths(clip, geometry, timeline, joints, detected, scale)
-    points, rotations = _body(clip, geometry, joints, scale)
+    travel = np.array([*[_stride(clip, geometry) * scale] * 2, scale])
+    feet = _foot_paths(clip, geometry, timeline, joints, detected, travel)
+    points, rotations = _body(clip, geometry, joints, travel)
     own_points, own_rotations = _standing(geometry, feet, timeline.weight)
     weight = timeline.weight
     points = own_points + weight[:, None, None] * (points - own_points)
+    points = points - _beyond_reach(geometry, points, feet, timeline.fps)[:, None, None] * [0, 0, 1]
     rotations = _blend(own_rotations, rotations, weight)
     return Targets(
         fps=timeline.fps,
@@ -82,23 +96,42 @@ def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline) -
     )
 
 
+def _stride(clip: HumanClip, geometry: RobotGeometry) -> float:
+    """Share of the human's travel over the floor that the robot's legs can make with flat feet.
+
+    A person's long step rests on the toes behind and the heel in front; a flat foot ends where the leg is straight.
+    """
+    leg = clip.leg_length
+    reach = LONGEST_LEG * geometry.length("left_hip", "left_knee", "left_ankle") / geometry.hip_height * leg
+    share = 1.0
+    for i, side in enumerate(hm.SIDES):
+        standing = maximum_filter1d(clip.contacts[:, i], 2 * round(LANDING_S * clip.fps) + 1)
+        across = (joint(clip.joints, f"{side}_hip") - joint(clip.joints, f"{side}_ankle"))[standing]
+        height = np.minimum(across[:, 2], LOWERED_HIP * leg)
+        allowed = np.sqrt(np.maximum(reach**2 - height**2, 0))
+        flat = np.linalg.norm(across[:, :2], axis=1)
+        share = min(share, float((allowed / np.maximum(flat, 1e-6)).min(initial=1.0)))
+    return max(share, SHORTEST_STRIDE)
+
+
 def _foot_paths(
     clip: HumanClip,
     geometry: RobotGeometry,
     timeline: Timeline,
     joints: Floats,
     detected: Bools,
-    scale: float,
+    travel: Floats,
 ) -> list[FootPath]:
     facing = hm.heading(joints)
     left = np.stack([-np.sin(facing), np.cos(facing), np.zeros_like(facing)], axis=1)
-    wider = (geometry.length("left_hip", "right_hip") - clip.hip_width * scale) / 2
+    wider = (geometry.length("left_hip", "right_hip") - clip.hip_width * travel[1]) / 2
     ankles: list[Floats] = []
     for foot in geometry.feet:
-        ankle = joint(joints, f"{foot.side}_ankle") * scale
-        ankle[:, 2] += geometry.ankle_height - clip.ankle_rest * scale
+        ankle = joint(joints, f"{foot.side}_ankle") * travel
+        ankle[:, 2] += geometry.ankle_height - clip.ankle_rest * travel[2]
         side = 1.0 if foot.side == "left" else -1.0
         ankles.append(ankle + side * wider * left)
+    _keep_apart(geometry, ankles, facing)
     order = [hm.SIDES.index(foot.side) for foot in geometry.feet]
     heights = np.stack([ankle[:, 2] for ankle in ankles], axis=1)
     contacts = plan_contacts(detected[:, order], heights, timeline.hold, timeline.fps)
@@ -106,24 +139,63 @@ def _foot_paths(
     for i, foot in enumerate(geometry.feet):
         yaw, pitch = hm.foot_angles(joints, foot.side, clip.foot_pitch_rest)
         away = np.mod(yaw - facing + np.pi, 2 * np.pi) - np.pi
-        yaw = facing + np.clip(away, -WIDEST_TOE_OUT, WIDEST_TOE_OUT)
+        # A foot that points down has no yaw: it fades to the body's heading.
+        certain = np.clip(1.6 - np.abs(pitch) / 0.6, 0, 1)
+        yaw = facing + certain * np.clip(away, -WIDEST_TOE_OUT, WIDEST_TOE_OUT)
         path = FootPath(ankles[i], yaw, pitch, contacts[:, i])
         paths.append(
             clean_path(
                 path,
                 ankle_height=geometry.ankle_height,
-                clearance=CLEARANCE_M * scale,
+                clearance=CLEARANCE_M * travel[2],
                 corners=_corners_from_ankle(foot),
             )
         )
     return paths
 
 
+def _keep_apart(geometry: RobotGeometry, ankles: list[Floats], facing: Floats) -> None:
+    """Move feet that are side by side outward until their soles have room, toes turned out included."""
+    by_side = {foot.side: (foot, ankle) for foot, ankle in zip(geometry.feet, ankles, strict=True)}
+    if set(by_side) != set(hm.SIDES):
+        return
+    (left_foot, left), (right_foot, right) = by_side["left"], by_side["right"]
+    corners = _corners_from_ankle(left_foot)
+    length, width = np.ptp(corners[:, 0]), np.ptp(corners[:, 1])
+    gap = SOLE_GAP * width - corners[:, 1].min() + _corners_from_ankle(right_foot)[:, 1].max()
+    forward = np.stack([np.cos(facing), np.sin(facing)], axis=1)
+    outward = np.stack([-np.sin(facing), np.cos(facing)], axis=1)
+    between = (left - right)[:, :2]
+    beside = np.clip(2 - np.abs((between * forward).sum(axis=1)) / length, 0, 1)
+    missing = beside * np.maximum(gap - (between * outward).sum(axis=1), 0) / 2
+    left[:, :2] += missing[:, None] * outward
+    right[:, :2] -= missing[:, None] * outward
+
+
+def _beyond_reach(geometry: RobotGeometry, points: Floats, feet: list[FootPath], fps: float) -> Floats:
+    """(N,) m by which the body must come down so that no standing or landing leg is stretched to its full length.
+
+    A straight leg has no way to move its foot along itself, so its joints jump.
+    """
+    pelvis = points[:, geometry.followed.index("pelvis")]
+    deficit = np.zeros(len(points))
+    for foot, path in zip(geometry.feet, feet, strict=True):
+        hip = geometry.points[f"{foot.side}_hip"] - geometry.points["pelvis"]
+        across = pelvis + hip[2] * np.array([0, 0, 1]) + path.rotation @ [0.0, hip[1], 0.0] - path.ankle
+        length = LONGEST_LEG * geometry.length(f"{foot.side}_hip", f"{foot.side}_knee", f"{foot.side}_ankle")
+        flat = np.minimum(np.linalg.norm(across[:, :2], axis=1), 0.8 * length)
+        needed = np.maximum(across[:, 2] - np.sqrt(length**2 - flat**2), 0)
+        near = maximum_filter1d(path.contact.astype(float), 2 * round(LANDING_S * fps) + 1)
+        deficit = np.maximum(deficit, needed * near)
+    width = round(LANDING_S * fps)
+    return gaussian_filter1d(maximum_filter1d(deficit, 4 * width + 1), width)
+
+
 def _corners_from_ankle(foot: Foot) -> Floats:
     return (foot.corners - foot.ankle) @ foot.reference.T
 
 
-def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, scale: float) -> tuple[Floats, Floats]:
+def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floats) -> tuple[Floats, Floats]:
     """(N, P, 3) points and (N, K, 3, 3) rotations of the robot's own proportions in the human's pose."""
     robot, standing = geometry.robot, geometry.points
     pelvis_rotation, torso_rotation = hm.pelvis_rotation(joints), hm.torso_rotation(joints)
@@ -131,8 +203,8 @@ def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, scale: float
     torso_rotation = _blend(pelvis_rotation[:, None], torso_rotation[:, None], share)[:, 0]
     if "torso" not in geometry.frames:
         pelvis_rotation = torso_rotation
-    hips = (joint(joints, "left_hip") + joint(joints, "right_hip")) / 2 * scale
-    hips[:, 2] += geometry.ankle_height - clip.ankle_rest * scale
+    hips = (joint(joints, "left_hip") + joint(joints, "right_hip")) / 2 * travel
+    hips[:, 2] += geometry.ankle_height - clip.ankle_rest * travel[2]
     centre = (standing["left_hip"] + standing["right_hip"]) / 2
     points = {"pelvis": hips + pelvis_rotation @ (standing["pelvis"] - centre)}
     for side in hm.SIDES:
@@ -143,11 +215,25 @@ def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, scale: float
             points[chain[0]] = hips + torso_rotation @ (standing[chain[0]] - centre)
         for parent, child in pairwise(chain):
             points[child] = points[parent] + _limb(geometry, joints, parent, child)
+        for name in chain[1:]:
+            points[name] = _beside_body(geometry, points[name], hips, torso_rotation, side)
     rotations = {"pelvis": pelvis_rotation, "torso": torso_rotation}
     return (
         np.stack([points[name] for name in geometry.followed], axis=1),
         np.stack([rotations[name] for name in geometry.frames], axis=1),
     )
+
+
+def _beside_body(geometry: RobotGeometry, points: Floats, hips: Floats, rotation: Floats, side: str) -> Floats:
+    """Points of an arm moved sideways out of an elliptic cylinder around the body: robots are wider than people."""
+    half = geometry.length("left_hip", "right_hip") / 2
+    sign = 1.0 if side == "left" else -1.0
+    local = np.einsum("nji,nj->ni", rotation, points - hips)
+    width = BODY_WIDTH * half * np.sqrt(np.maximum(1 - (local[:, 0] / (BODY_DEPTH * half)) ** 2, 0))
+    shoulder = geometry.points[f"{side}_shoulder"][2] - geometry.points[f"{side}_hip"][2]
+    width *= np.clip(4 * (1 - local[:, 2] / shoulder), 0, 1)
+    local[:, 1] = sign * np.maximum(sign * local[:, 1], width)
+    return hips + np.einsum("nij,nj->ni", rotation, local)
 
 
 def _limb(geometry: RobotGeometry, joints: Floats, parent: str, child: str) -> Floats:
