@@ -1,5 +1,6 @@
 """Subcommands of the generator: `train` and `generate`."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -35,6 +36,7 @@ class Train(Command):
     """Go on from the last checkpoint in the output folder."""
 
     def run(self) -> int:
+        _threads_sleep_while_waiting()
         import torch
 
         from generator.data.dataset import MotionDataset
@@ -74,6 +76,7 @@ class Generate(Command):
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
+        _threads_sleep_while_waiting()
         from generator.generate import WEIGHTS_FOLDER, MotionGenerator
         from generator.text.splitter import Splitter
         from ros_free_stack.files import make_folder, save_motion
@@ -90,3 +93,8 @@ class Generate(Command):
         found = {"files": [str(path) for path in paths], "segments": [vars(s) for s in motions[0].segments]}
         self.report(found, *lines, *(f"wrote {path}" for path in paths))
         return 0
+
+
+def _threads_sleep_while_waiting() -> None:
+    """To be called before PyTorch loads. Spinning threads make training many times slower where cores are shared."""
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")

@@ -166,7 +166,8 @@ class _Trainer:
         if not self.training.ema:
             return
         decay = min(self.training.ema, (1 + self.state.iteration) / (10 + self.state.iteration))
-        torch._foreach_lerp_(list(self.averaged.parameters()), list(self.model.parameters()), 1 - decay)
+        for mine, theirs in zip(self.averaged.parameters(), self.model.parameters(), strict=True):
+            mine.lerp_(theirs, 1 - decay)
         for mine, theirs in zip(self.averaged.buffers(), self.model.buffers(), strict=True):
             mine.copy_(theirs)
 
@@ -186,8 +187,6 @@ class _Trainer:
             state.best = row["validation_loss"]
             facts = {**self.objective.facts, "iteration": state.iteration, "validation_loss": state.best}
             weights.save(self.folder, self.objective.config, self.averaged, facts)
-        write_curve(self.folder / "curve.csv", state.curve)
-        plot_curve(self.folder / "curve.png", state.curve, self.objective.name)
 
     def _save(self) -> None:
         with atomic_path(self.folder / CHECKPOINT) as temporary:
@@ -202,6 +201,7 @@ class _Trainer:
             )
         if self.state.curve:
             write_curve(self.folder / "curve.csv", self.state.curve)
+            plot_curve(self.folder / "curve.png", self.state.curve, self.objective.name)
 
     def _load(self) -> None:
         path = self.folder / CHECKPOINT

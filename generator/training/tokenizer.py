@@ -32,7 +32,7 @@ def channel_weights() -> Tensor:
     """
     weights = torch.ones(len(CHANNELS))
     weights[ROOT], weights[HEIGHT] = 4.0, 2.0
-    weights[ROTATIONS], weights[VELOCITIES] = 0.25, 0.5
+    weights[ROTATIONS], weights[VELOCITIES] = 0.15, 0.25
     return weights / weights.mean()
 
 

@@ -1,0 +1,99 @@
+"""Layout of segments on tokens: boundaries, places within a segment, dropped texts."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from generator.models.conditioning import (
+    Condition,
+    SegmentConditioning,
+    segment_lengths,
+    stack_lengths,
+    uniform_lengths,
+)
+from ros_free_stack.errors import InvalidOption
+
+
+def condition(*lengths: list[int], seed: int = 0) -> Condition:
+    torch.manual_seed(seed)
+    table = stack_lengths(lengths)
+    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 384), table)
+
+
+def test_places_within_segments() -> None:
+    found = condition([2, 3], [4])
+    assert found.tokens == 5
+    assert found.token_mask.tolist() == [[True] * 5, [True] * 4 + [False]]
+    assert found.segment_mask.tolist() == [[True, True], [True, False]]
+    assert found.segment_of.tolist() == [[0, 0, 1, 1, 1], [0, 0, 0, 0, 0]]
+    assert found.elapsed[0].tolist() == [0, 1, 0, 1, 2]
+    assert found.lasting.tolist() == [[2, 2, 3, 3, 3], [4, 4, 4, 4, 4]]
+
+
+def test_boundary_lies_midway_between_segments() -> None:
+    assert segment_lengths([(0, 36), (44, 80)], 20).tolist() == [10, 10]
+    assert segment_lengths([(0, 40), (40, 81)], 20).tolist() == [10, 10]
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data(), count=st.integers(1, 5))
+def test_every_segment_gets_a_token_and_none_is_lost(data: st.DataObject, count: int) -> None:
+    tokens = data.draw(st.integers(count, 49))
+    cuts = sorted(data.draw(st.lists(st.integers(0, 4 * tokens), min_size=count - 1, max_size=count - 1)))
+    edges = [0, *cuts, 4 * tokens]
+    lengths = segment_lengths(list(pairwise(edges)), tokens)
+    assert lengths.sum() == tokens
+    assert lengths.min() >= 1
+    uniform = uniform_lengths(count, tokens)
+    assert uniform.sum() == tokens
+    assert uniform.max() - uniform.min() <= 1
+
+
+def test_too_many_segments_are_refused() -> None:
+    with pytest.raises(InvalidOption, match="1 to 5 segments, found 6"):
+        uniform_lengths(6, 30)
+    with pytest.raises(InvalidOption, match="do not fit"):
+        uniform_lengths(4, 3)
+
+
+def test_dropped_text_leaves_the_layout() -> None:
+    torch.manual_seed(1)
+    module = SegmentConditioning(16)
+    first, second = condition([3, 4], seed=1), condition([3, 4], seed=2)
+    no, yes = torch.zeros(1, dtype=torch.bool), torch.ones(1, dtype=torch.bool)
+    torch.testing.assert_close(module(first, yes, no).prefix, module(second, yes, no).prefix)
+    torch.testing.assert_close(module(first, yes, no).local, module(second, yes, no).local)
+    assert (module(first, yes, yes).local - module(second, yes, yes).local).abs().max() > 1e-3
+    other_layout = condition([4, 3], seed=1)
+    assert (module(first, yes, no).local - module(other_layout, yes, no).local).abs().max() > 1e-3
+    without_sentence = module(first, no, yes).prefix
+    assert without_sentence[:, 0].abs().max() == 0
+    assert without_sentence[:, 1:].abs().max() > 0
+
+
+def test_token_reads_its_own_segment() -> None:
+    """Changing the second segment's text changes the local condition of its tokens alone."""
+    torch.manual_seed(2)
+    module, yes = SegmentConditioning(16), torch.ones(1, dtype=torch.bool)
+    first = condition([3, 4])
+    segments = first.segments.clone()
+    segments[:, 1] += 1
+    second = Condition(first.sentence, segments, first.lengths)
+    changed = (module(first, yes, yes).local - module(second, yes, yes).local).abs().sum(-1)[0]
+    assert changed[:3].max() == 0
+    assert changed[3:].min() > 0
+
+
+def test_whitening_makes_small_directions_as_large_as_the_rest() -> None:
+    rng = np.random.default_rng(0)
+    texts = rng.normal(size=(4000, 384)) * np.linspace(1, 0.3, 384)
+    module = SegmentConditioning(8)
+    module.fit(texts.astype(np.float32), texts.astype(np.float32))
+    white = module.white_segment(torch.from_numpy(texts).float()).numpy()
+    spread = np.sqrt(np.linalg.eigvalsh(np.cov(white.T)))
+    assert spread.min() > 0.75
+    assert spread.max() < 1.05

@@ -1,0 +1,156 @@
+"""Generation with untrained weights: shapes, timing of segments, same bytes twice, refusals. Also the commands."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from generator import weights
+from generator.cli import Generate, Train
+from generator.config import PRESETS, DurationsConfig, Sampling, TokenizerConfig, TransformerConfig
+from generator.generate import MotionGenerator
+from generator.models.durations import DurationModel, whole_tokens
+from generator.models.mask_transformer import MaskTransformer
+from generator.models.residual_transformer import ResidualTransformer
+from generator.models.tokenizer import MotionTokenizer
+from ros_free_stack.errors import InvalidOption, NoWeights
+from ros_free_stack.files import load_motion
+from tests.generator.tiny_dataset import write_tiny_dataset
+
+PROMPT = "a person waves, then bows"
+SEGMENTS = ("a person waves", "a person bows")
+QUICK = Sampling(steps=3)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Weights of tiny models that were never trained."""
+    torch.manual_seed(0)
+    folder = tmp_path_factory.mktemp("weights")
+    tokenizer = TokenizerConfig("patch", 16, 1, 2, codes=32, code_width=8, quantizers=3)
+    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3)
+    model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
+    model.quantizer.codebooks.normal_()
+    for name in ("tokenizer", "mask", "residual", "durations"):
+        (folder / name).mkdir()
+    weights.save(folder / "tokenizer", tokenizer, model, {})
+    facts = {"tokenizer": weights.digest(folder / "tokenizer")}
+    weights.save(folder / "mask", transformer, MaskTransformer(transformer), facts)
+    weights.save(folder / "residual", transformer, ResidualTransformer(transformer), facts)
+    weights.save(folder / "durations", DurationsConfig(8), DurationModel(DurationsConfig(8)), {})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def generator(folder: Path) -> MotionGenerator:
+    return MotionGenerator.load(folder)
+
+
+def test_motion_has_its_prompt_segments_and_floor(generator: MotionGenerator) -> None:
+    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    assert motion.prompt == PROMPT
+    assert tuple(segment.text for segment in motion.segments) == SEGMENTS
+    assert motion.segments[0].end_s == motion.segments[1].start_s
+    assert motion.segments[-1].end_s == pytest.approx(motion.duration_s)
+    assert 2.0 <= motion.duration_s <= 9.8
+    assert motion.joints[..., 2].min() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_same_seed_same_bytes(generator: MotionGenerator) -> None:
+    def run(seed: int) -> list[bytes]:
+        motions = generator.generate(PROMPT, SEGMENTS, seed=seed, candidates=3, sampling=QUICK)
+        return [motion.joints.tobytes() for motion in motions]
+
+    first = run(5)
+    assert first == run(5)
+    assert first != run(6)
+    assert len(set(first)) == 3
+
+
+def test_durations_are_kept(generator: MotionGenerator) -> None:
+    motions = generator.generate(PROMPT, SEGMENTS, seed=0, candidates=2, durations_s=(1.6, 3.2), sampling=QUICK)
+    for motion in motions:
+        assert [(s.start_s, s.end_s) for s in motion.segments] == [(0.0, 1.6), (1.6, 4.8)]
+    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, duration_s=7.0, sampling=QUICK)
+    assert motion.duration_s == pytest.approx(7.0)
+
+
+def test_uniform_layout_shares_the_time(generator: MotionGenerator) -> None:
+    mask = MaskTransformer(replace(generator.mask.config, layout="uniform")).eval()
+    uniform = replace(generator, mask=mask)
+    (motion,) = uniform.generate(PROMPT, SEGMENTS, seed=0, durations_s=(1.6, 3.2), sampling=QUICK)
+    assert motion.segments[0].end_s == pytest.approx(2.4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"candidates": 0}, "candidates: must be at least 1"),
+        ({"duration_s": 12.0}, "duration: 12 s is outside of 2 to 9.8 s"),
+        ({"durations_s": (1.0,)}, "2 segments need as many durations, found 1"),
+        ({"durations_s": (9.0, 9.0)}, "add up to 2 to 9.8 s"),
+        ({"durations_s": (3.0, -0.5)}, "must be positive"),
+    ],
+)
+def test_unusable_numbers_are_refused(generator: MotionGenerator, arguments: dict, message: str) -> None:
+    with pytest.raises(InvalidOption, match=message):
+        generator.generate(PROMPT, SEGMENTS, seed=0, **arguments)
+
+
+def test_a_long_sentence_is_fitted_and_said(generator: MotionGenerator, capsys: pytest.CaptureFixture[str]) -> None:
+    slow = DurationModel(DurationsConfig(8)).eval()
+    torch.nn.init.zeros_(slow.network[-1].weight)
+    torch.nn.init.constant_(slow.network[-1].bias, 2.0)  # e^2 = 7.4 s a segment
+    (motion,) = replace(generator, durations=slow).generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    assert motion.duration_s == pytest.approx(9.8)
+    assert "within 9.8 s" in capsys.readouterr().err
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.floats(0.05, 30), min_size=1, max_size=5))
+def test_whole_tokens(durations: list[float]) -> None:
+    tokens = whole_tokens(np.array(durations))
+    assert tokens.min() >= 1
+    assert 10 <= tokens.sum() <= 49
+    if 2.0 <= sum(durations) <= 9.8:
+        assert abs(tokens.sum() - 5 * sum(durations)) <= 0.5 + 1e-9
+
+
+def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
+        MotionGenerator.load(tmp_path)
+    for name in ("tokenizer", "mask", "residual", "durations"):
+        (tmp_path / name).mkdir()
+        for file in (weights.WEIGHTS, weights.CONFIG):
+            (tmp_path / name / file).write_bytes((folder / name / file).read_bytes())
+    saved = weights.load(folder / "mask", "mask")
+    mask = MaskTransformer(saved.config_as(TransformerConfig))
+    weights.save(tmp_path / "mask", mask.config, mask, {"tokenizer": "another"})
+    with pytest.raises(NoWeights, match="trained with another tokenizer"):
+        MotionGenerator.load(tmp_path)
+
+
+def test_generate_command_writes_a_motion(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "motion.npz"
+    assert Generate(prompt=PROMPT, out=out, weights=folder, candidates=2, seed=1).run() == 0
+    first, second = load_motion(out), load_motion(out.with_stem("motion_1"))
+    assert len(first.segments) == len(second.segments) == 2
+    assert first.prompt == PROMPT
+    assert not np.array_equal(first.joints, second.joints)
+
+
+def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from tests.generator.test_training import TINY
+
+    dataset = write_tiny_dataset(tmp_path / "data", clips=8)
+    monkeypatch.setitem(PRESETS, "small", TINY)
+    before = torch.get_num_threads()
+    command = Train(stage="all", dataset=dataset, out=tmp_path / "out", iterations=2, threads=1, device="cpu")
+    assert command.run() == 0
+    torch.set_num_threads(before)
+    (motion,) = MotionGenerator.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    assert motion.joints.shape[1:] == (22, 3)

@@ -1,0 +1,109 @@
+"""The mask transformer: masking shares, independence of padding, decoding that ends, guidance, learning."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+from torch.nn import functional
+
+from generator.config import PRESETS, Sampling
+from generator.models.conditioning import Condition, stack_lengths
+from generator.models.mask_transformer import MaskTransformer, mask_tokens, sample
+
+CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24)
+
+
+def condition(*lengths: list[int], seed: int = 0) -> Condition:
+    torch.manual_seed(seed)
+    table = stack_lengths(lengths)
+    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 384), table)
+
+
+@pytest.fixture(scope="module")
+def model() -> MaskTransformer:
+    torch.manual_seed(0)
+    return MaskTransformer(CONFIG).eval()
+
+
+def flags(count: int) -> torch.Tensor:
+    return torch.ones(count, dtype=torch.bool)
+
+
+def test_masking_shares() -> None:
+    torch.manual_seed(0)
+    tokens, valid = torch.randint(24, (4000, 40)), torch.ones(4000, 40, dtype=torch.bool)
+    valid[:, 30:] = False
+    masked, chosen = mask_tokens(tokens, valid, 24)
+    assert not chosen[:, 30:].any()
+    assert chosen.sum(1).min() >= 1
+    assert torch.equal(masked[~chosen], tokens[~chosen])
+    assert float(chosen[:, :30].float().mean()) == pytest.approx(0.637, abs=0.02)  # mean of cos is 2 / pi
+    assert float((masked[chosen] == 24).float().mean()) == pytest.approx(0.9 * 0.88, abs=0.01)
+    kept = float((masked[chosen] == tokens[chosen]).float().mean())
+    assert kept == pytest.approx(0.9 * 0.12 + 0.1 / 24, abs=0.01)
+
+
+def test_padding_does_not_reach_the_tokens(model: MaskTransformer) -> None:
+    alone, padded = condition([3, 4]), condition([3, 4], [6, 6])
+    padded = Condition(alone.sentence.repeat(2, 1), alone.segments.repeat(2, 1, 1), padded.lengths)
+    tokens = torch.randint(24, (2, 12))
+    single = model(tokens[:1, :7], alone, flags(1), flags(1)).logits[0]
+    double = model(tokens, padded, flags(2), flags(2)).logits[0, :7]
+    torch.testing.assert_close(single, double, atol=1e-5, rtol=1e-5)
+
+
+def test_generation_fills_every_token(model: MaskTransformer) -> None:
+    given = condition([3, 4], [10], [5, 5, 5])
+    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
+    assert tokens.shape == (3, 15)
+    assert int(tokens.max()) < 24
+    assert tokens[0, 7:].abs().max() == 0
+    again = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
+    other = model.generate(given, Sampling(), torch.Generator().manual_seed(1))
+    assert torch.equal(tokens, again)
+    assert not torch.equal(tokens, other)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7, 30])
+def test_any_number_of_steps_ends_without_masks(model: MaskTransformer, steps: int) -> None:
+    tokens = model.generate(condition([5, 6]), Sampling(steps=steps), torch.Generator().manual_seed(0))
+    assert int(tokens.max()) < 24
+
+
+def test_guidance_of_one_is_the_conditional_model(model: MaskTransformer) -> None:
+    given, tokens = condition([4, 4]), torch.full((1, 8), 24)
+    plain = model(tokens, given, flags(1), flags(1)).logits
+    without = model(tokens, given, ~flags(1), ~flags(1)).logits
+    torch.testing.assert_close(model._guided(tokens, given, 1.0), plain)
+    torch.testing.assert_close(model._guided(tokens, given, 3.0), without + 3 * (plain - without), atol=1e-4, rtol=1e-4)
+
+
+def test_sampling_takes_only_the_best_codes() -> None:
+    logits = torch.arange(20.0).repeat(1, 500, 1)
+    drawn, chance = sample(logits, 100.0, 0.8, torch.Generator().manual_seed(0))
+    assert set(drawn.flatten().tolist()) == {16, 17, 18, 19}
+    expected = logits.softmax(-1).gather(-1, drawn[..., None])[..., 0]
+    torch.testing.assert_close(chance, expected)
+
+
+def test_learns_which_text_means_which_token() -> None:
+    """Each segment's text decides its tokens; after a few steps generation follows the order of the segments."""
+    torch.manual_seed(0)
+    model = MaskTransformer(replace(CONFIG, sentence_dropout=0.0))
+    texts = torch.randn(4, 384)
+    optimiser = torch.optim.AdamW(model.parameters(), lr=3e-3)
+    lengths = stack_lengths([[4, 3]] * 32)
+    for _ in range(60):
+        words = torch.randint(4, (32, 2))
+        given = Condition(torch.randn(32, 384), texts[words], lengths)
+        tokens = words.gather(1, given.segment_of)
+        masked, chosen = mask_tokens(tokens, given.token_mask, 24)
+        keep = torch.rand(32) > 0.1
+        loss = functional.cross_entropy(model(masked, given, keep, keep).logits[chosen], tokens[chosen])
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    model.eval()
+    given = Condition(torch.randn(1, 384), texts[torch.tensor([[2, 1]])], stack_lengths([[3, 4]]))
+    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
+    assert tokens.tolist() == [[2, 2, 2, 1, 1, 1, 1]]

@@ -1,0 +1,91 @@
+"""The motion tokenizer: shapes at every length, standardisation, losses that see what they should."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from generator.config import FEATURES, PRESETS, TokenizerConfig
+from generator.data.features import CHANNELS
+from generator.models.tokenizer import MotionTokenizer
+from generator.training.tokenizer import ROOT, YAW, channel_weights, reconstruction_losses
+
+SMALL = replace(PRESETS["small"].tokenizer, width=16, code_width=8, codes=32)
+STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3)
+
+
+@pytest.mark.parametrize("config", [SMALL, STRIDED], ids=["patch", "strided"])
+@pytest.mark.parametrize("frames", [40, 43, 64, 196])
+def test_every_length_makes_whole_tokens(config: TokenizerConfig, frames: int) -> None:
+    tokenizer = MotionTokenizer(config).eval()
+    tokens = tokenizer.encode(torch.randn(2, frames, FEATURES))
+    assert tokens.shape == (4, 2, frames // 4)
+    assert tokenizer.decode(tokens).shape == (2, frames // 4 * 4, FEATURES)
+    assert tokenizer.decode(tokens[:1]).shape == (2, frames // 4 * 4, FEATURES)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_have_the_shapes_of_their_sizes(name: str) -> None:
+    config = PRESETS[name].tokenizer
+    with torch.device("meta"):
+        tokenizer = MotionTokenizer(config)
+    assert tokenizer.quantizer.codebooks.shape == (config.quantizers, config.codes, config.code_width)
+
+
+def test_features_are_standardised_inside() -> None:
+    mean, std = torch.linspace(-3, 3, FEATURES), torch.linspace(0.5, 2, FEATURES)
+    tokenizer = MotionTokenizer(SMALL, mean, std).eval()
+    features = mean + std * torch.randn(4, 64, FEATURES)
+    standardised = tokenizer.standardise(features)
+    assert abs(float(standardised.mean())) < 0.02
+    assert abs(float(standardised.std()) - 1) < 0.02
+    through = tokenizer(standardised).features * std + mean
+    torch.testing.assert_close(through, tokenizer.decode(tokenizer.encode(features)), atol=1e-4, rtol=1e-4)
+
+
+def test_a_few_steps_learn_a_motion() -> None:
+    torch.manual_seed(0)
+    tokenizer = MotionTokenizer(replace(SMALL, quantizer_dropout=0.0)).train()
+    target = torch.sin(torch.linspace(0, 12, 64)[:, None] + torch.linspace(0, 6, FEATURES)).repeat(4, 1, 1)
+    optimiser = torch.optim.AdamW(tokenizer.parameters(), lr=3e-3)
+    history = []
+    for _ in range(40):
+        found = tokenizer(target)
+        loss = torch.nn.functional.smooth_l1_loss(found.features, target) + 0.02 * found.commitment
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+        history.append(loss.item())
+    assert history[-1] < 0.35 * history[0]
+
+
+def test_root_channels_weigh_most() -> None:
+    weights = channel_weights()
+    assert weights.shape == (len(CHANNELS),)
+    assert float(weights.mean()) == pytest.approx(1.0, abs=1e-5)
+    root = [i for i, name in enumerate(CHANNELS) if name.startswith("root_")]
+    others = [i for i in range(len(CHANNELS)) if i not in root]
+    assert float(weights[root].min()) > float(weights[others].max())
+
+
+def test_steady_root_errors_add_up_in_the_drift() -> None:
+    """The same error costs more when it always has the same sign."""
+    target, std = torch.zeros(1, 64, FEATURES), torch.ones(FEATURES)
+    steady, alternating = target.clone(), target.clone()
+    steady[..., YAW] = 0.1
+    alternating[:, ::2, YAW], alternating[:, 1::2, YAW] = 0.1, -0.1
+    steady_loss = reconstruction_losses(steady, target, std)
+    alternating_loss = reconstruction_losses(alternating, target, std)
+    assert float(steady_loss["features"]) == pytest.approx(float(alternating_loss["features"]))
+    assert float(steady_loss["drift"]) > 10 * float(alternating_loss["drift"])
+
+
+def test_joint_loss_is_in_metres() -> None:
+    target, std = torch.zeros(1, 8, FEATURES), torch.full((FEATURES,), 0.5)
+    found = target.clone()
+    found[..., 4:67:3] = 0.06  # 3 cm along one axis of every joint
+    assert float(reconstruction_losses(found, target, std)["joints"]) == pytest.approx(0.03, rel=1e-3)
+    assert CHANNELS[ROOT] == ("root_yaw_velocity", "root_left_velocity", "root_forward_velocity")
+    assert CHANNELS[4].endswith("_position_left")
+    assert CHANNELS[67].endswith("_rotation_0")
+    assert CHANNELS[193].endswith("_velocity_left")

@@ -1,0 +1,203 @@
+"""Training of every stage on a tiny data set: it learns, resumes exactly, stops at a signal, names what is wrong."""
+
+import csv
+import json
+import os
+import signal
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from generator import weights
+from generator.config import PRESETS, DurationsConfig, Preset, TokenizerConfig, TransformerConfig
+from generator.data.dataset import MotionDataset
+from generator.models.tokenizer import MotionTokenizer
+from generator.training import loop
+from generator.training.batches import BUCKET, TokenBatches, TokenCorpus
+from generator.training.loop import Run, train
+from generator.training.stages import STAGES, Job, choose_device
+from generator.training.text_cache import text_table
+from generator.training.tokenizer import TokenizerObjective
+from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights, UnknownName
+from tests.generator.tiny_dataset import write_tiny_dataset
+
+_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3)
+_TRAINING = replace(PRESETS["small"].mask_training, batch=8, iterations=12, warm_up=2)
+TINY = Preset(
+    tokenizer=TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=3),
+    tokenizer_training=replace(_TRAINING, window=40, alignment_weight=0.0, ema=0.0),
+    mask=_TRANSFORMER,
+    mask_training=_TRAINING,
+    residual=_TRANSFORMER,
+    residual_training=replace(_TRAINING, alignment_weight=0.0),
+    durations=DurationsConfig(16),
+    durations_training=replace(_TRAINING, alignment_weight=0.0),
+)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
+    return MotionDataset.open(write_tiny_dataset(tmp_path_factory.mktemp("data") / "tiny"))
+
+
+@pytest.fixture(scope="module")
+def trained(dataset: MotionDataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which all four stages were trained, one after the other."""
+    out = tmp_path_factory.mktemp("weights")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "tiny", TINY)
+        for stage in STAGES:
+            torch.manual_seed(0)
+            assert Job(stage, dataset, "tiny", out, None, None, "cpu", 0, False).run()["finished"] == 1
+    return out
+
+
+def tokenizer_run(dataset: MotionDataset, folder: Path, run: Run) -> dict[str, float]:
+    torch.manual_seed(0)
+    objective = TokenizerObjective(dataset, TINY.tokenizer, TINY.tokenizer_training, seed=0)
+    return train(objective, TINY.tokenizer_training, folder, run)
+
+
+def curve(folder: Path) -> list[dict[str, str]]:
+    with (folder / "curve.csv").open(newline="") as stream:
+        return [{**row, "seconds": ""} for row in csv.DictReader(stream)]
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_every_stage_leaves_weights_config_and_curve(trained: Path, stage: str) -> None:
+    saved = weights.load(trained / stage, stage)
+    assert json.loads((trained / stage / "config.json").read_text())["version"] == weights.FORMAT_VERSION
+    assert saved.config == json.loads(json.dumps(vars(getattr(TINY, stage))))
+    rows = curve(trained / stage)
+    assert [row["iteration"] for row in rows] == [str(i) for i in range(1, 13)]
+    assert rows[-1]["validation_loss"]
+    assert (trained / stage / "curve.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_matrices_are_saved_in_half_precision_and_vectors_are_not(trained: Path) -> None:
+    state = weights.load(trained / "tokenizer", "tokenizer").state
+    assert state["quantizer.codebooks"].dtype == torch.float16
+    assert state["mean"].dtype == torch.float32
+
+
+def test_training_lowers_the_loss(dataset: MotionDataset, tmp_path: Path) -> None:
+    tokenizer_run(dataset, tmp_path, Run(60))
+    losses = [float(row["loss"]) for row in curve(tmp_path)]
+    assert np.mean(losses[-5:]) < 0.6 * np.mean(losses[:5])
+
+
+def test_a_resumed_run_repeats_an_unbroken_one(
+    dataset: MotionDataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tokenizer_run(dataset, tmp_path / "whole", Run(10))
+    steps = iter([False] * 6 + [True] * 10)
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "_stop_requested", lambda: _Stop(steps))
+        assert tokenizer_run(dataset, tmp_path / "broken", Run(10))["finished"] == 0
+    assert len(curve(tmp_path / "broken")) == 6
+    assert tokenizer_run(dataset, tmp_path / "broken", Run(10, resume=True))["finished"] == 1
+    assert curve(tmp_path / "broken") == curve(tmp_path / "whole")
+    assert weights.digest(tmp_path / "broken") == weights.digest(tmp_path / "whole")
+
+
+class _Stop:
+    """In the place of the signal handler: asks to stop when the given answers say so."""
+
+    def __init__(self, answers: "object") -> None:
+        self._answers = answers
+
+    def __enter__(self):
+        return lambda: next(self._answers)  # type: ignore[call-overload]
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+
+def test_a_signal_leaves_a_checkpoint(dataset: MotionDataset, tmp_path: Path) -> None:
+    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGTERM))
+    before = signal.getsignal(signal.SIGTERM)
+    timer.start()
+    result = tokenizer_run(dataset, tmp_path, Run(1_000_000))
+    timer.join()
+    assert result["finished"] == 0
+    assert (tmp_path / "checkpoint.pt").is_file()
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+def test_minutes_end_a_run_too(dataset: MotionDataset, tmp_path: Path) -> None:
+    result = tokenizer_run(dataset, tmp_path, Run(1_000_000, minutes=0.005))
+    assert result["finished"] == 1
+    assert result["learning_rate"] < 0.2 * TINY.tokenizer_training.learning_rate
+    assert (tmp_path / weights.WEIGHTS).is_file()
+
+
+def test_batches_depend_on_seed_and_iteration_alone(dataset: MotionDataset, trained: Path) -> None:
+    corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
+    first, second = (TokenBatches(corpus, batch=4, layout="exact", seed=0) for _ in range(2))
+    first.training(0)
+    other = TokenBatches(corpus, batch=4, layout="exact", seed=1)
+    a, b, c = (batches.training(BUCKET + 3) for batches in (first, second, other))
+    assert torch.equal(a.tokens, b.tokens)
+    assert torch.equal(a.condition.segments, b.condition.segments)
+    assert a.tokens.shape != c.tokens.shape or not torch.equal(a.tokens, c.tokens)
+
+
+def test_batches_hold_the_clips_tokens_texts_and_boundaries(dataset: MotionDataset, trained: Path) -> None:
+    corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
+    clip, tokens = dataset.split("train")[1], corpus.train[1].tokens
+    batch = TokenBatches(corpus, batch=4, layout="exact", seed=0).collate(corpus.train[:2], [0, 0])
+    saved = weights.load(trained / "tokenizer", "tokenizer")
+    tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig)).eval()
+    saved.fill(tokenizer)
+    expected = tokenizer.encode(torch.from_numpy(dataset.features(clip))[None])[:, 0]
+    assert torch.equal(torch.from_numpy(tokens).long(), expected)
+    assert torch.equal(batch.tokens[:, 1, : tokens.shape[1]], expected)
+    assert batch.condition.lengths[1].tolist()[: len(clip.segments)] == [7] * (len(clip.segments) - 1) + [6]
+    row = corpus.segments.row[clip.segments[0].text]
+    assert np.array_equal(batch.condition.segments[1, 0].numpy(), corpus.segments.embeddings[row].astype(np.float32))
+    uniform = TokenBatches(corpus, batch=4, layout="uniform", seed=0).collate(corpus.train[:2], [0, 0])
+    assert int(uniform.condition.lengths[1].sum()) == tokens.shape[1]
+
+
+def test_texts_are_embedded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = text_table(tmp_path, ["a person waves", "a person bows", "a person waves"])
+    assert table.embeddings.shape == (2, 384)
+    monkeypatch.setattr("generator.text.encoder.TextEncoder", None)  # would fail if it were asked again
+    again = text_table(tmp_path, ["a person bows", "a person waves"])
+    assert np.array_equal(table.embeddings, again.embeddings)
+    assert again.rows(["a person waves"]).tolist() == [again.row["a person waves"]]
+
+
+def test_what_is_wrong_is_named(dataset: MotionDataset, trained: Path, tmp_path: Path) -> None:
+    with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
+        TokenCorpus.build(dataset, tmp_path / "nothing" / "tokenizer", "cpu")
+    with pytest.raises(InvalidOption, match="--resume: there is no checkpoint at"):
+        tokenizer_run(dataset, tmp_path / "empty", Run(1, resume=True))
+    with pytest.raises(InvalidOption, match="must be positive"):
+        tokenizer_run(dataset, tmp_path / "none", Run(0))
+    with pytest.raises(UnknownName, match="unknown device 'tpu'; valid: auto, cpu"):
+        choose_device("tpu")
+    checkpoint = tmp_path / "other" / loop.CHECKPOINT
+    checkpoint.parent.mkdir()
+    checkpoint.write_bytes((trained / "mask" / loop.CHECKPOINT).read_bytes())
+    with pytest.raises(InvalidFile, match="is no checkpoint of this model and size"):
+        tokenizer_run(dataset, checkpoint.parent, Run(1, resume=True))
+
+
+def test_damaged_weights_are_named(trained: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "tokenizer"
+    folder.mkdir()
+    for name in (weights.WEIGHTS, weights.CONFIG):
+        (folder / name).write_bytes((trained / "tokenizer" / name).read_bytes())
+    with pytest.raises(NoWeights, match="do not fit their configuration"):
+        weights.load(folder, "tokenizer").fill(MotionTokenizer(replace(TINY.tokenizer, width=16)))
+    (folder / weights.WEIGHTS).write_bytes(b"short")
+    with pytest.raises(InvalidFile, match="not readable weights"):
+        weights.load(folder, "tokenizer")
+    (folder / weights.CONFIG).write_text("{}")
+    with pytest.raises(InvalidFile, match="not a model's configuration"):
+        weights.load(folder, "tokenizer")
