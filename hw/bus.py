@@ -17,6 +17,13 @@ from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, enco
 from hw.registers import ControlTable, control_table, model_name
 from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError
 
+# pyserial lets TypeError out where the descriptor was closed, and termios.error where the device hung up.
+_PORT_ERRORS: tuple[type[Exception], ...] = (serial.SerialException, OSError, TypeError)
+if sys.platform != "win32":
+    import termios
+
+    _PORT_ERRORS = (*_PORT_ERRORS, termios.error)
+
 _RETRIES = 3
 _LATENCY_MS = 1
 _PATIENCE_S = 2e-3
@@ -73,7 +80,7 @@ class Bus:
         """Close the port, whatever state it is in."""
         try:
             self.handler.closePort()
-        except (serial.SerialException, OSError):
+        except _PORT_ERRORS:
             self.handler.is_open = False
 
     def __enter__(self) -> Self:
@@ -89,8 +96,7 @@ class Bus:
         """Turn the failures of a vanished port into PortError."""
         try:
             yield
-        except (serial.SerialException, OSError, TypeError) as error:
-            # pyserial raises TypeError where another thread or the kernel closed the descriptor.
+        except _PORT_ERRORS as error:
             self.handler.is_using = False
             raise PortError(self.port, f"went away ({error})") from None
 

@@ -185,8 +185,9 @@ class Driver:
                 for identity in self.rig.ids:
                     self.bus.write(identity, self.rig.table, "Bus Watchdog", 0)
                 return ()
-        except StackError:
-            pass  # letting go matters more than holding; it reports what does not answer
+        except Exception as error:
+            # Whatever went wrong here, letting go comes next, and reports which servos do not answer.
+            say(f"warning: could not hold still: {error}")
         return torque_off(self.bus, self.rig)
 
     def _check_models(self) -> None:

@@ -1,0 +1,246 @@
+"""The driver on an emulated bus: what it does when all goes well, and for each fault that it stops, and how."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hw.cycle import Reading
+from hw.driver import Driver
+from hw.protocol import Instruction
+from hw.rig import Rig
+from hw.safety import Limits
+from hw.virtual.bus import VirtualBus
+from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Servo
+from ros_free_stack.errors import (
+    BusFault,
+    HardwareFault,
+    LostServo,
+    ModelMismatch,
+    PortError,
+    ServoFault,
+    UnsafeCommand,
+)
+from ros_free_stack.robots import load_robot
+
+JOINTS = ("head_pan", "r_el", "l_knee")
+OP3 = load_robot("op3")
+RIG = Rig.of_robot(OP3, only=JOINTS)
+STAND = np.array([OP3.standing.get(joint, 0.0) for joint in JOINTS])
+# A busy test computer may stall for longer than a robot could bear.
+LIMITS = Limits(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=25)
+WAVE = STAND + np.outer(0.15 * (1 - np.cos(np.linspace(0, 2 * np.pi, 125))), [1.0, -1.0, 1.0])
+
+
+def make_bus(**options: object) -> VirtualBus:
+    servos = [
+        Servo.make(identity, baud=2_000_000, position=angle) for identity, angle in zip(RIG.ids, STAND, strict=True)
+    ]
+    return VirtualBus(servos, **options)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def bus() -> Iterator[VirtualBus]:
+    with make_bus() as bus:
+        yield bus
+
+
+def play(bus: VirtualBus, *, at: int = -1, fault: Callable[[], None] | None = None, limits: Limits = LIMITS) -> Driver:
+    """Stream the wave; let `fault` happen in cycle `at`."""
+    count = 0
+
+    def record(time_s: float, late_s: float, goal: np.ndarray, reading: Reading) -> None:
+        nonlocal count
+        if count == at and fault is not None:
+            with bus.locked:
+                fault()
+        count += 1
+
+    with Driver(RIG, bus.port, limits=limits) as driver:
+        driver.check_goals(WAVE)
+        driver.enable()
+        driver.move_to(WAVE[0])
+        driver.follow(WAVE, record)
+    return driver
+
+
+def torques(bus: VirtualBus) -> list[bool]:
+    return [bus.servo(identity).torque_on for identity in RIG.ids]
+
+
+def assert_no_goal_outside_limits(bus: VirtualBus) -> None:
+    for i, identity in enumerate(RIG.ids):
+        servo = bus.servo(identity)
+        low, high = RIG.to_raw(np.stack([RIG.lower, RIG.upper]))[:, i]
+        assert not servo.refusals
+        if servo.goal_extremes is not None:
+            assert min(low, high) - 1 <= servo.goal_extremes[0] <= servo.goal_extremes[1] <= max(low, high) + 1
+
+
+def test_a_stream_that_goes_well(bus: VirtualBus) -> None:
+    driver = play(bus)
+    assert driver.cycle.method == "fast sync read"
+    assert 0 < driver.watch.max_following_error < 0.2
+    assert driver.pace.statistics().cycles >= len(WAVE)
+    assert torques(bus) == [False] * 3
+    assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
+    assert_no_goal_outside_limits(bus)
+
+
+@pytest.mark.parametrize(
+    ("unsupported", "method"),
+    [
+        ({Instruction.FAST_SYNC_READ}, "sync read"),
+        ({Instruction.FAST_SYNC_READ, Instruction.SYNC_READ}, "single reads"),
+    ],
+)
+def test_older_firmware_is_read_another_way(unsupported: set[Instruction], method: str) -> None:
+    with make_bus(unsupported=unsupported) as bus:
+        assert play(bus).cycle.method == method
+        assert torques(bus) == [False] * 3
+
+
+def test_lost_and_damaged_packets_are_borne(bus: VirtualBus) -> None:
+    bus.faults.drop = bus.faults.corrupt = bus.faults.noise = bus.faults.drop_instruction = 0.04
+    seen: list[Reading] = []
+    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+        driver.enable()
+        driver.move_to(WAVE[0])
+        driver.follow(WAVE, lambda time_s, late_s, goal, reading: seen.append(reading))
+        bus.faults.drop = bus.faults.corrupt = bus.faults.noise = bus.faults.drop_instruction = 0.0
+    assert driver.watch.lost_replies > 0
+    positions = np.array([reading.position for reading in seen])
+    # No damaged packet was taken for a pose: the joints move in small steps.
+    assert np.abs(np.diff(positions, axis=0)).max() < 0.2
+    assert torques(bus) == [False] * 3
+    assert_no_goal_outside_limits(bus)
+
+
+def reboot(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).reboot(0.0)
+
+
+def heat(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).motor.temperature = 75.0
+
+
+def jam(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).motor.jammed = True
+    bus.servo(identity).motor.position += 1.2
+
+
+def kill(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).dead = True
+
+
+def sag(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).supply_voltage = 9.0
+
+
+FAULTS: dict[str, tuple[Callable[[VirtualBus, int], None], type[HardwareFault], str]] = {
+    "overload": (lambda bus, i: bus.servo(i).fail(OVERLOAD), ServoFault, "r_el .servo 5.: hardware error: overload"),
+    "alert only": (lambda bus, i: bus.servo(i).fail(INPUT_VOLTAGE), ServoFault, "r_el .* input voltage"),
+    "heat": (heat, ServoFault, "r_el .* 75 deg C, limit 70 deg C"),
+    "brown-out": (sag, ServoFault, "r_el .* (input voltage|9.0 V)"),
+    "jam": (jam, ServoFault, "r_el .* following error"),
+    "reboot": (reboot, ServoFault, "r_el .* torque went off by itself"),
+    "dead": (kill, LostServo, "no answer from r_el .servo 5."),
+}
+
+
+@pytest.mark.parametrize("cycle", [0, 60])
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_stop_the_stream(bus: VirtualBus, name: str, cycle: int) -> None:
+    fault, error, words = FAULTS[name]
+    with pytest.raises(error, match=words) as caught:
+        play(bus, at=cycle, fault=lambda: fault(bus, 5))
+    alive = [identity for identity in RIG.ids if not bus.servo(identity).dead]
+    assert [bus.servo(identity).torque_on for identity in alive] == [False] * len(alive)
+    assert ("torque off NOT confirmed for r_el" in str(caught.value)) == (name == "dead")
+    for identity in alive:
+        low, high = bus.servo(identity).goal_extremes or (0, 0)
+        assert 0 <= low <= high <= 4095
+
+
+def test_a_bus_that_carries_only_noise(bus: VirtualBus) -> None:
+    def garble() -> None:
+        bus.faults.corrupt = 1.0
+
+    with pytest.raises((BusFault, LostServo)):
+        play(bus, at=30, fault=garble, limits=replace(LIMITS, lost_after=5))
+    # The torque is off although no servo could confirm it: the servos hear, only their answers are damaged.
+    assert torques(bus) == [False] * 3
+
+
+def test_a_port_that_goes_away() -> None:
+    bus = make_bus()
+    bus.start()
+    try:
+        with pytest.raises(PortError, match=r"went away|NOT confirmed"), Driver(RIG, bus.port, limits=LIMITS) as driver:
+            driver.enable()
+            driver.follow(WAVE[:10])
+            bus.stop()
+            driver.follow(WAVE[10:])
+    finally:
+        bus.stop()
+
+
+def test_hold_at_the_end(bus: VirtualBus) -> None:
+    with Driver(RIG, bus.port, limits=LIMITS, at_end="hold") as driver:
+        driver.enable()
+        driver.move_to(WAVE[40])
+    assert torques(bus) == [True] * 3
+    assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
+    # A second stream takes over without letting go, since the state is mapped already.
+    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+        reading = driver.enable()
+        assert np.allclose(reading.position, WAVE[40], atol=0.02)
+    assert torques(bus) == [False] * 3
+
+
+def test_torque_held_by_someone_else_is_not_dropped(bus: VirtualBus) -> None:
+    bus.servo(5).set("Torque Enable", 1)
+    with pytest.raises(UnsafeCommand, match=r"r_el .* holds torque"), Driver(RIG, bus.port, limits=LIMITS) as driver:
+        driver.enable()
+    assert bus.servo(5).torque_on
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        (lambda servo: setattr(servo, "dead", True), LostServo, "r_el .servo 5."),
+        (lambda servo: servo.set("Model Number", 1030), ModelMismatch, "XM430-W210.*XM430-W350"),
+        (lambda servo: servo.fail(OVERLOAD), ServoFault, "overload.*reboot"),
+        (lambda servo: servo.set("Operating Mode", 1), UnsafeCommand, "operating mode 1, valid: 3"),
+    ],
+)
+def test_what_is_checked_before_anything_moves(
+    bus: VirtualBus, change: Callable[[Servo], None], error: type[HardwareFault], words: str
+) -> None:
+    with bus.locked:
+        change(bus.servo(5))
+    with pytest.raises(error, match=words), Driver(RIG, bus.port, limits=LIMITS):
+        pass
+    assert torques(bus) == [False] * 3
+    assert bus.servo(5).goal_extremes is None
+
+
+def test_goals_outside_are_refused_before_the_first_is_sent(bus: VirtualBus) -> None:
+    wild = WAVE.copy()
+    wild[100, 2] = 3.0
+    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+        driver.enable()
+        sent = [bus.servo(i).goal_extremes for i in RIG.ids]
+        with pytest.raises(UnsafeCommand, match=r"l_knee .* 3.000 rad is outside"):
+            driver.follow(wild)
+        assert [bus.servo(i).goal_extremes for i in RIG.ids] == sent
+        with bus.locked:
+            bus.servo(5).set("Max Position Limit", 1700)
+        with pytest.raises(UnsafeCommand, match=r"r_el .* own position limits"):
+            driver.check_goals(np.array([[0.0, 0.2, 0.7]]))
+
+
+def test_a_missing_port_lists_the_ports() -> None:
+    with pytest.raises(PortError, match=r"/dev/nothing: cannot be opened .*serial ports here"):
+        Driver(RIG, "/dev/nothing").__enter__()

@@ -1,0 +1,175 @@
+"""From files to servos: refusals, an end-to-end stream, and what becomes of the servos when the host is stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hw.safety import Limits
+from hw.stream import check_port, stream
+from hw.virtual.bus import VirtualBus
+from ros_free_stack.errors import InvalidOption, ModelMismatch, PortError, UnsafeCommand
+from ros_free_stack.files import save_trajectory, save_verdict
+from ros_free_stack.messages import Check, RobotTrajectory, Verdict
+from ros_free_stack.robots import RobotDescription, load_robot
+
+OP3 = load_robot("op3")
+LIMITS = Limits(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=50)
+ROOT = Path(__file__).parents[2]
+
+
+def motion(robot: RobotDescription = OP3, *, seconds: float = 2.0, fps: float = 50.0) -> RobotTrajectory:
+    """The right elbow swings by 0.6 rad, four times in 2 s at most."""
+    times = np.arange(round(seconds * fps)) / fps
+    joints = np.tile(robot.standing_pos, (len(times), 1))
+    moved = robot.joint_names.index("r_el" if "r_el" in robot.joint_names else robot.joint_names[0])
+    joints[:, moved] -= 0.3 * (1 - np.cos(2 * np.pi * times))
+    return RobotTrajectory(
+        robot=robot.name,
+        model_sha256=robot.sha256,
+        joint_names=robot.joint_names,
+        fps=fps,
+        root_pos=np.zeros((len(times), 3)),
+        root_quat=np.tile([1.0, 0, 0, 0], (len(times), 1)),
+        joint_pos=joints,
+        contacts=np.ones((len(times), 2), dtype=bool),
+        foot_names=robot.foot_names,
+    )
+
+
+def judged(trajectory: RobotTrajectory, *, passed: bool = True) -> Verdict:
+    check = Check("joint_range", 0.0, "rad", 1.0, passed)
+    return Verdict(trajectory.robot, trajectory.model_sha256, trajectory.digest, (check,))
+
+
+def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
+    trajectory, file = motion(), tmp_path / "telemetry.npz"
+    with VirtualBus.of_robot(OP3) as bus:
+        report = stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, limits=LIMITS)
+        servos = list(bus.network.servos.values())
+        assert not any(servo.torque_on for servo in servos)
+        assert not any(servo.refusals for servo in servos)
+        low, high = bus.servo(5).goal_extremes or (0, 0)
+        assert (high - low) * servos[0].table.rad_per_tick == pytest.approx(0.6, abs=0.01)
+    assert report.joints == 20
+    assert report.method == "fast sync read"
+    assert 0 < report.following_error_rms_rad < report.following_error_rad < 0.3
+    assert report.resampling_error_rad < 0.002
+    assert report.peak_current_a > 0
+    data = report.as_dict()
+    json.dumps(data)
+    assert {"cycles", "rate_hz", "jitter_p99_ms", "errors"} <= data.keys()
+    with np.load(file) as recorded:
+        assert list(recorded["joint_names"]) == list(OP3.joint_names)
+        assert recorded["goal"].shape == recorded["position"].shape == (report.cycles, 20)
+        column = OP3.joint_names.index("r_el")
+        swing = np.ptp(recorded["position"][:, column])
+        assert swing == pytest.approx(0.6, abs=0.1)
+
+
+def test_sim_starts_its_own_bus_and_a_partial_rig_moves_only_its_joints() -> None:
+    trajectory = motion(seconds=0.5)
+    report = stream(trajectory, judged(trajectory), OP3, port="sim", joints=("r_el", "r_sho_roll"), limits=LIMITS)
+    assert report.joints == 2
+    assert report.cycles > 0
+
+
+def test_a_dry_run_writes_nothing() -> None:
+    trajectory = motion(seconds=0.2)
+    with VirtualBus.of_robot(OP3) as bus:
+        before = {i: servo.get("Goal Position") for i, servo in bus.network.servos.items()}
+        report = stream(trajectory, judged(trajectory), OP3, port=bus.port, dry_run=True)
+        assert report.dry_run and report.rate is None
+        assert {i: servo.get("Goal Position") for i, servo in bus.network.servos.items()} == before
+        assert all(servo.goal_extremes is None for servo in bus.network.servos.values())
+
+
+def test_only_a_passing_verdict_of_this_trajectory_opens_the_way() -> None:
+    trajectory, other = motion(seconds=0.2), motion(seconds=0.4)
+    no_port = "/dev/nothing"
+    with pytest.raises(UnsafeCommand, match=r"did not pass .joint_range."):
+        stream(trajectory, judged(trajectory, passed=False), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="another trajectory"):
+        stream(trajectory, judged(other), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="holds no check"):
+        stream(trajectory, replace(judged(trajectory), checks=()), OP3, port=no_port)
+    with pytest.raises(ModelMismatch, match="retarget and judge"):
+        stream(trajectory, judged(trajectory), replace(OP3, sha256="0" * 64), port=no_port)
+    with pytest.raises(PortError, match=no_port):
+        stream(trajectory, judged(trajectory), OP3, port=no_port)
+
+
+def test_a_robot_without_servos_says_so() -> None:
+    g1 = load_robot("g1")
+    trajectory = motion(g1, seconds=0.2)
+    with pytest.raises(InvalidOption, match="g1 has no Dynamixel servos"):
+        stream(trajectory, judged(trajectory), g1, port="sim")
+    with pytest.raises(InvalidOption, match="g1 has no Dynamixel servos"):
+        check_port("sim", g1)
+
+
+def test_check_port() -> None:
+    check_port("sim", OP3)
+    with pytest.raises(PortError, match="/dev/nothing"):
+        check_port("/dev/nothing", OP3)
+
+
+def host(bus: VirtualBus, tmp_path: Path) -> subprocess.Popen[str]:
+    """A process that streams for long; returns once the robot moves."""
+    trajectory = motion(seconds=60)
+    save_trajectory(tmp_path / "trajectory.npz", trajectory)
+    save_verdict(tmp_path / "verdict.json", judged(trajectory))
+    code = "import sys, tyro; from hw.cli import Stream; sys.exit(tyro.cli(Stream).run())"
+    files = [str(tmp_path / "trajectory.npz"), str(tmp_path / "verdict.json")]
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *files, "--servo", bus.port], cwd=ROOT, stderr=subprocess.PIPE, text=True
+    )
+    elbow = bus.servo(5)
+    start = elbow.get("Present Position")
+    wait_until(lambda: elbow.torque_on and abs(elbow.get("Present Position") - start) > 50, process)
+    return process
+
+
+def wait_until(done: Callable[[], bool], process: subprocess.Popen[str] | None = None) -> None:
+    end = time.monotonic() + 120
+    while not done():
+        assert time.monotonic() < end, "waited in vain"
+        if process is not None and process.poll() is not None:
+            pytest.fail(f"the host ended: {process.stderr.read() if process.stderr else ''}")
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_with_torque_off(tmp_path: Path, number: signal.Signals) -> None:
+    with VirtualBus.of_robot(OP3) as bus:
+        process = host(bus, tmp_path)
+        process.send_signal(number)
+        process.communicate(timeout=120)
+        assert process.returncode != 0
+        servos = list(bus.network.servos.values())
+        assert not any(servo.torque_on for servo in servos)
+        assert all(servo.get("Bus Watchdog") == 0 for servo in servos)
+        assert not any(servo.refusals for servo in servos)
+
+
+def test_a_killed_host_leaves_servos_that_stop_by_themselves(tmp_path: Path) -> None:
+    with VirtualBus.of_robot(OP3) as bus:
+        process = host(bus, tmp_path)
+        os.kill(process.pid, signal.SIGKILL)
+        process.communicate(timeout=120)
+        servos = list(bus.network.servos.values())
+        wait_until(lambda: all(servo.get("Bus Watchdog") == 0xFF for servo in servos))
+        with bus.locked:
+            for servo in servos:
+                assert abs(servo.get("Goal Position") - servo.get("Present Position")) < 300
+        still = [servo.get("Goal Position") for servo in servos]
+        wait_until(lambda: not any(servo.get("Moving") for servo in servos))
+        assert [servo.get("Goal Position") for servo in servos] == still
