@@ -53,6 +53,7 @@ def feet_plot(reference: Reference, playback: Playback | None) -> Any:
                           alpha=0.1, lw=0, label="should stand")  # fmt: skip
         axis.axhline(0, color=GRID, lw=1)
         axis.plot(times, height, color=PLANNED, label="height, cm")
+        axis.set_ylim(-1, max(3.0, 1.1 * float(height.max())))
         axis.set_title(f"{foot} sole", fontsize=9)
         _plain(axis)
         if playback is not None:

@@ -32,8 +32,8 @@ def write_report(
     trajectory: RobotTrajectory,
     judgement: Judgement,
     robot: RobotDescription,
-    title: str,
-    timings: dict[str, float],
+    title: str = "",
+    timings: dict[str, float] | None = None,
 ) -> Path:
     """Write `report.html` into a folder and return its path.
 
@@ -43,7 +43,7 @@ def write_report(
         trajectory: what was judged.
         judgement: its verdict and playback.
         robot: the robot.
-        title: usually the prompt.
+        title: the motion's prompt where it is empty.
         timings: seconds by stage.
 
     Raises:
@@ -52,7 +52,7 @@ def write_report(
     verdict = judgement.verdict
     word = "feasible" if verdict.passed else "infeasible"
     parts = {
-        "title": html.escape(title),
+        "title": html.escape(title or (motion.prompt if motion else "") or robot.title),
         "robot": html.escape(robot.title),
         "duration": f"{trajectory.duration_s:.1f} s",
         "state": "passed" if verdict.passed else "failed",
@@ -61,7 +61,7 @@ def write_report(
         "segments": _segments(motion, trajectory),
         "checks": "\n".join(_row(check, trajectory.fps) for check in verdict.checks),
         "notes": "".join(f"<li>{html.escape(note)}</li>" for note in verdict.notes),
-        "timings": _timings(timings),
+        "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
         "joints": _png(joints_plot(judgement.reference)),
         "feet": _png(feet_plot(judgement.reference, judgement.playback)),

@@ -1,0 +1,97 @@
+"""The `validate` and `render` subcommands."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+from ros_free_stack.console import Command
+
+if TYPE_CHECKING:
+    from ros_free_stack.messages import Check
+
+INFEASIBLE = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validate(Command):
+    """Judge a trajectory: limits, contacts, coherence, and a playback in physics. Exit code 3 where it fails."""
+
+    trajectory: Annotated[Path, tyro.conf.Positional]
+    """Trajectory (.npz, as written by `retarget`); it names its robot."""
+    mount: Literal["free", "fixed"] = "free"
+    """`fixed` for a robot held by its root, for which floor and balance do not count."""
+    level: Literal["strict", "default", "lenient"] = "default"
+    """How strict the limits are."""
+    physics: bool = True
+    """Also play the trajectory in physics."""
+    motion: Path | None = None
+    """Human motion (.npz) that it was made from, for the pictures."""
+    out: Path | None = None
+    """Folder for verdict.json and report.html."""
+
+    def run(self) -> int:
+        """Judge, print the checks, and write the report where a folder is given."""
+        from time import perf_counter
+
+        from ros_free_stack.files import load_motion, load_trajectory, make_folder, save_verdict
+        from ros_free_stack.robots import load_robot
+        from sim.report import write_report
+        from sim.verdict import judge
+
+        trajectory = load_trajectory(self.trajectory)
+        robot = load_robot(trajectory.robot)
+        motion = None if self.motion is None else load_motion(self.motion)
+        if self.out is not None:
+            make_folder(self.out)
+        started = perf_counter()
+        judgement = judge(trajectory, robot, mount=self.mount, physics=self.physics, level=self.level)
+        seconds = perf_counter() - started
+        verdict = judgement.verdict
+        result: dict[str, Any] = {"passed": verdict.passed, **asdict(verdict), "judge_s": seconds}
+        lines = [*map(_line, verdict.checks), *verdict.notes]
+        lines.append("feasible" if verdict.passed else "infeasible")
+        if self.out is not None:
+            save_verdict(self.out / "verdict.json", verdict)
+            title = motion.prompt if motion and motion.prompt else self.trajectory.name
+            report = write_report(self.out, motion, trajectory, judgement, robot, title, {"judge": seconds})
+            result["report"] = str(report)
+            lines.append(f"report: {report}")
+        self.report(result, *lines)
+        return 0 if verdict.passed else INFEASIBLE
+
+
+def _line(check: "Check") -> str:
+    word = "pass" if check.passed else "FAIL"
+    unit = "" if check.unit == "1" else f" {check.unit}"
+    where = f"  {check.worst_item}" if check.worst_item else ""
+    return f"{word}  {check.name:22} {check.value:10.4g}  limit {check.limit:.4g}{unit}{where}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Render(Command):
+    """Draw a trajectory as a video (needs an OpenGL library: libegl1 or libosmesa6)."""
+
+    trajectory: Annotated[Path, tyro.conf.Positional]
+    """Trajectory (.npz); it names its robot."""
+    out: Path = Path("video.mp4")
+    """Video to write (.mp4)."""
+
+    def run(self) -> int:
+        """Draw the planned motion."""
+        from ros_free_stack.errors import InvalidOption
+        from ros_free_stack.files import load_trajectory, make_folder
+        from ros_free_stack.robots import load_robot
+        from sim.reference import check_belongs
+        from sim.render import render_video
+
+        if self.out.suffix != ".mp4":
+            raise InvalidOption("--out", f"expected a name that ends in .mp4, found {str(self.out)!r}")
+        trajectory = load_trajectory(self.trajectory)
+        robot = load_robot(trajectory.robot)
+        check_belongs(trajectory, robot)
+        make_folder(self.out.parent)
+        render_video(self.out, trajectory, None, robot)
+        self.report({"video": str(self.out)}, str(self.out))
+        return 0

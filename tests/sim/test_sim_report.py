@@ -1,0 +1,167 @@
+"""The report, the storyboard and the command line, used as people use them."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from ros_free_stack.errors import InvalidFile, InvalidOption, MissingDependency, ModelMismatch
+from ros_free_stack.files import load_verdict, save_trajectory
+from ros_free_stack.messages import HumanMotion, Segment
+from ros_free_stack.skeleton import JOINT_COUNT
+from sim import render
+from sim.cli import Render, Validate
+from sim.model import judging_model
+from sim.reference import make_reference
+from sim.report import write_report
+from sim.storyboard import write_storyboard
+from sim.verdict import judge
+
+
+class Page(HTMLParser):
+    """Collects what a page would load and its rows of checks."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.sources: list[str] = []
+        self.rows: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.sources += [values[key] or "" for key in ("src", "href") if key in values]
+        if tag == "tr":
+            self.rows.append(values.get("class") or "")
+
+
+@pytest.fixture(scope="module")
+def motion():
+    rng = np.random.default_rng(0)
+    joints = np.cumsum(rng.normal(0, 0.002, (30, JOINT_COUNT, 3)), axis=0) + rng.uniform(0, 1, (JOINT_COUNT, 3))
+    return HumanMotion(joints, 20.0, "a person <b>waves</b>", (Segment("a person <waves> </script>", 0.2, 1.0),))
+
+
+def test_report_is_whole_and_offline(op3, standing, motion, tmp_path):
+    trajectory = standing(op3, frames=100)
+    path = write_report(
+        tmp_path / "new", motion, trajectory, judge(trajectory, op3), op3, motion.prompt, {"judge": 1.0}
+    )
+    text = path.read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.sources and all(source.startswith("data:image/png") for source in page.sources)
+    assert page.rows.count("pass") == 16 and "fail" not in page.rows
+    assert "{{" not in text and "<b>waves" not in text and "<waves>" not in text
+    data = re.search(r'type="application/json">(.*?)</script>', text, re.S)
+    assert data is not None
+    scene = json.loads(data[1])
+    assert len(scene["robot"]) == len(scene["simulated"]) == len(scene["human"]) == 50
+    assert len(scene["robot"][0]) == judging_model(op3).nbody
+
+
+def test_report_of_a_failure_names_it(g1, standing, tmp_path):
+    trajectory = standing(g1, root_offset=[0, 0, -0.05])
+    text = write_report(tmp_path, None, trajectory, judge(trajectory, g1, physics=False), g1).read_text(
+        encoding="utf-8"
+    )
+    assert Page(text).rows.count("fail") == 1
+    assert "1 of 9 checks failed: ground penetration" in text
+
+
+def test_report_needs_a_folder(op3, standing, tmp_path):
+    (tmp_path / "file").write_text("")
+    trajectory = standing(op3)
+    with pytest.raises(InvalidFile):
+        write_report(tmp_path / "file", None, trajectory, judge(trajectory, op3, physics=False), op3)
+
+
+def test_storyboard_shows_human_and_robot(op3, standing, motion, tmp_path):
+    reference = make_reference(standing(op3, frames=100), op3, judging_model(op3))
+    write_storyboard(tmp_path / "both.png", motion, reference, "title")
+    write_storyboard(tmp_path / "robot.png", None, reference)
+    both, robot = (matplotlib.image.imread(tmp_path / name) for name in ("both.png", "robot.png"))
+    assert both.shape[1] == robot.shape[1] and both.shape[0] > 1.5 * robot.shape[0]
+    for picture in (both, robot):
+        assert 0.03 < (picture[..., :3].min(axis=-1) < 0.8).mean() < 0.6
+
+
+def test_validate_passes(op3, standing, tmp_path, capsys):
+    save_trajectory(tmp_path / "t.npz", standing(op3))
+    assert Validate(trajectory=tmp_path / "t.npz", out=tmp_path / "out", json=True).run() == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["passed"] and len(printed["checks"]) == 16
+    assert load_verdict(tmp_path / "out" / "verdict.json").trajectory_digest == standing(op3).digest
+    assert (tmp_path / "out" / "report.html").stat().st_size > 100_000
+
+
+def test_validate_fails(op3, standing, tmp_path, capsys):
+    save_trajectory(tmp_path / "t.npz", standing(op3, root_offset=[0, 0, -0.05]))
+    assert Validate(trajectory=tmp_path / "t.npz", physics=False).run() == 3
+    printed = capsys.readouterr().out
+    assert "FAIL  ground_penetration" in printed and printed.rstrip().endswith("infeasible")
+    assert Validate(trajectory=tmp_path / "t.npz", physics=False, mount="fixed").run() == 0
+
+
+def test_validate_refuses_a_truncated_file(op3, standing, tmp_path):
+    file = tmp_path / "t.npz"
+    save_trajectory(file, standing(op3))
+    file.write_bytes(file.read_bytes()[:500])
+    with pytest.raises(InvalidFile):
+        Validate(trajectory=file).run()
+
+
+def test_render_refuses_other_names(tmp_path):
+    with pytest.raises(InvalidOption, match="mp4"):
+        Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.gif").run()
+
+
+def test_render_refuses_another_model(op3, standing, tmp_path):
+    import dataclasses
+
+    save_trajectory(tmp_path / "t.npz", dataclasses.replace(standing(op3), model_sha256="0" * 64))
+    with pytest.raises(ModelMismatch):
+        Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.mp4").run()
+
+
+def test_no_gl_is_said(op3, standing, tmp_path, monkeypatch):
+    monkeypatch.setattr(render, "find_library", lambda name: None)
+    with pytest.raises(MissingDependency, match="libegl1"):
+        render.render_video(tmp_path / "video.mp4", standing(op3), None, op3)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_video_where_gl_is_present(op3, standing, tmp_path):
+    import imageio_ffmpeg
+
+    save_trajectory(tmp_path / "t.npz", standing(op3, frames=20))
+    try:
+        assert Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.mp4").run() == 0
+    except MissingDependency as error:
+        pytest.skip(str(error))
+    reader = imageio_ffmpeg.read_frames(str(tmp_path / "video.mp4"))
+    meta = next(reader)
+    frames = [np.frombuffer(frame, np.uint8) for frame in reader]
+    assert meta["size"] == (640, 480) and len(frames) == 10
+    assert frames[0].std() > 15
+
+
+def test_merged_vertices_keep_the_shape():
+    """A fine sphere thinned to a grid keeps its radius within a cell and loses most faces."""
+    from scipy.spatial import ConvexHull
+
+    points = np.random.default_rng(0).normal(size=(4000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    faces = ConvexHull(points).simplices
+    vertices, kept = render.merge_vertices(points, faces, 0.2)
+    assert len(kept) < 0.25 * len(faces)
+    assert kept.max() < len(vertices) and len(np.unique(kept, axis=0)) == len(kept)
+    assert np.abs(np.linalg.norm(vertices, axis=1) - 1).max() < 0.1
+
+
+def test_tiny_meshes_stay():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]) * 1e-3
+    faces = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
+    vertices, kept = render.merge_vertices(corners, faces, 0.01)
+    assert vertices is corners and kept is faces
