@@ -39,6 +39,14 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "train": ("generator.cli:Train", "train a model of the generator"),
     "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),
     "robots show": ("ros_free_stack.cli:RobotsShow", "one robot's joints and limits"),
+    "servos scan": ("hw.cli:ServosScan", "which servos answer on a port"),
+    "servos info": ("hw.cli:ServosInfo", "what each servo is and how it is set"),
+    "servos read": ("hw.cli:ServosRead", "position, current, temperature, voltage of each servo"),
+    "servos configure": ("hw.cli:ServosConfigure", "set servos up for the robot, changes shown first"),
+    "servos calibrate": ("hw.cli:ServosCalibrate", "directions and zeros of a real rig"),
+    "servos reboot": ("hw.cli:ServosReboot", "clear hardware errors"),
+    "servos release": ("hw.cli:ServosRelease", "torque off"),
+    "servos emulate": ("hw.cli:ServosEmulate", "an emulated bus for other programs"),
     "doctor": ("ros_free_stack.cli:Doctor", "what this machine has and lacks"),
 }
 """Subcommand to the module and class that does it, and one line of help. A stage is imported when it is asked for."""
@@ -270,7 +278,7 @@ class Run(Command):
 
 def usage(prefix: str = "") -> str:
     """The list of subcommands that begin with `prefix`."""
-    rows = [f"  {name:14s} {words}" for name, (_, words) in COMMANDS.items() if name.startswith(prefix)]
+    rows = [f"  {name:17s} {words}" for name, (_, words) in COMMANDS.items() if name.startswith(prefix)]
     lines = [
         "usage: python launch.py COMMAND [options]      (COMMAND --help shows a command's options)",
         "",

@@ -1,0 +1,100 @@
+"""The whole path through the command line, with the trained weights: text to servos on the virtual bus."""
+
+import contextlib
+import io
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+
+import launch
+from generator.generate import WEIGHTS_FOLDER
+from ros_free_stack.files import load_motion, load_trajectory, load_verdict
+from ros_free_stack.robots import load_robot
+
+WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candidates", "2", "--no-video", "--json")
+EXAMPLES = Path(launch.__file__).parent / "examples"
+
+pytestmark = pytest.mark.skipif(
+    not (WEIGHTS_FOLDER / "mask").is_dir(), reason="the weights folder holds no trained models"
+)
+
+
+@pytest.fixture(scope="module")
+def wave(tmp_path_factory: pytest.TempPathFactory) -> tuple[int, dict, Path]:
+    """Exit code, JSON and folder of one run on OP3 with the virtual bus."""
+    out = tmp_path_factory.mktemp("wave") / "run"
+    stdout = io.StringIO()
+    with contextlib.redirect_stdout(stdout):
+        code = launch.main(
+            [*WAVE, "--servo", "sim", "--out", str(out)],
+        )
+    return code, json.loads(stdout.getvalue()), out
+
+
+def test_wave_is_feasible_and_streamed(wave):
+    code, result, _ = wave
+    assert code == 0
+    assert result["verdict"]["passed"]
+    assert result["in_domain"]
+    assert [segment["text"] for segment in result["segments"]] == ["a person waves with the right hand"]
+    assert len(result["candidates"]) == 2
+    assert result["servo"]["cycles"] > 100
+    assert {"rate_hz", "jitter_p99_ms", "errors"} <= set(result["servo"])
+    assert {"text", "generate", "retarget", "validate", "report", "servo"} <= set(result["timings_s"])
+    assert {"name", "value", "unit", "limit", "passed"} <= set(result["verdict"]["checks"][0])
+
+
+def test_the_right_hand_waves_above_the_shoulder_and_the_left_one_hangs(wave):
+    _, _, out = wave
+    joints = load_motion(out / "human_motion.npz").joints
+    right_lift = joints[:, 21, 2] - joints[:, 17, 2]
+    left_lift = joints[:, 20, 2] - joints[:, 16, 2]
+    assert right_lift.max() > 0.0
+    assert left_lift.max() < -0.1
+
+
+def test_run_folder_is_complete_and_consistent(wave):
+    _, result, out = wave
+    assert {path.name for path in out.iterdir()} == set(result["files"])
+    trajectory, verdict = load_trajectory(out / "trajectory.npz"), load_verdict(out / "verdict.json")
+    assert verdict.passed
+    assert verdict.trajectory_digest == trajectory.digest
+    assert trajectory.model_sha256 == load_robot("op3").sha256
+    assert (out / "trajectory.csv").read_text().startswith("time_s,root_x")
+    page = (out / "report.html").read_text()
+    assert "waves with the right hand" in page
+    assert "http://" not in page.replace("http://www.w3.org", "") and "https://" not in page
+
+
+def test_same_seed_gives_the_same_trajectory(wave, tmp_path: Path):
+    _, _, out = wave
+    launch.main([*WAVE, "--out", str(tmp_path)])
+    assert load_trajectory(tmp_path / "trajectory.npz").digest == load_trajectory(out / "trajectory.npz").digest
+
+
+def test_an_infeasible_motion_is_reported_and_never_streamed(tmp_path: Path, capsys):
+    arguments = ["run", "a person jumps", "--candidates", "1", "--no-video", "--servo", "sim", "--json"]
+    code = launch.main([*arguments, "--out", str(tmp_path)])
+    captured = capsys.readouterr()
+    result = json.loads(captured.out)
+    assert code == (0 if result["verdict"]["passed"] else 3)
+    assert (result["servo"] is None) == (not result["verdict"]["passed"])
+    assert load_verdict(tmp_path / "verdict.json").passed == result["verdict"]["passed"]
+
+
+def test_examples_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    steps = [
+        ("1_text_to_motion.py", "a person raises both arms", str(tmp_path)),
+        ("2_motion_to_robot.py", str(tmp_path / "human_motion.npz"), "op3", str(tmp_path / "trajectory.npz")),
+        ("3_judge_a_trajectory.py", str(tmp_path / "trajectory.npz")),
+        ("4_stream_to_servos.py", str(tmp_path / "trajectory.npz"), str(tmp_path / "verdict.json"), "sim"),
+    ]
+    for name, *arguments in steps:
+        monkeypatch.setattr(sys, "argv", [name, *arguments])
+        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+    out = capsys.readouterr().out
+    assert "feasible" in out
+    assert "cycles" in out
