@@ -100,7 +100,7 @@ class VirtualBus:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
-        self._now = 0.0
+        self._now = self._free = 0.0
 
     @classmethod
     def of_robot(
@@ -187,6 +187,8 @@ class VirtualBus:
         self._now = now
 
     def _answer(self, packet: Packet, arrived: float) -> None:
+        # The wire carries one byte after the other, whatever the terminal takes at once.
+        self._free = max(self._free, arrived) + self._byte_s * len(encode(packet))
         with self._lock:
             if not self.faults.hears():
                 return
@@ -194,10 +196,10 @@ class VirtualBus:
             replies = self.network.handle(packet)
         if not replies:
             return
-        due = arrived + self.faults.wait_s()
+        due = self._free + self.faults.wait_s()
         if self._byte_s:
-            due += self._byte_s * len(encode(packet))
             due += sum(reply.delay_s + self._byte_s * len(reply.data) for reply in replies)
+        self._free = due
         data = b"".join(self.faults.distort(reply.data) for reply in replies)
         _sleep_until(due)
         if data:
