@@ -1,6 +1,6 @@
 """The plots of the report: joints against their limits, feet over the floor, torques."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -11,11 +11,11 @@ PLANNED, SIMULATED, LIMIT, GRID = "#2563eb", "#d97706", "#dc2626", "#d1d5db"
 _COLUMNS = 5
 
 
-def _figure(width: float, height: float) -> Any:
+def _figure(width: float, height: float, layout: Literal["constrained"] | None = "constrained") -> Any:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 
@@ -25,8 +25,9 @@ def joints_plot(reference: Reference) -> Any:
     robot, positions = reference.robot, reference.trajectory.joint_pos
     times = np.arange(len(positions)) * reference.dt
     rows = -(-len(robot.joints) // _COLUMNS)
-    figure = _figure(14, 1.35 * rows)
+    figure = _figure(14, 1.35 * rows, layout=None)  # laying out dozens of axes by constraints takes seconds
     axes = figure.subplots(rows, _COLUMNS, sharex=True, squeeze=False).ravel()
+    figure.subplots_adjust(0.05, 0.4 / (1.35 * rows), 0.99, 1 - 0.2 / (1.35 * rows), 0.2, 0.45)
     for axis in axes[len(robot.joints) :]:
         axis.set_visible(False)
     for index, (axis, (name, limits)) in enumerate(zip(axes, robot.joints.items(), strict=False)):

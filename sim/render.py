@@ -128,13 +128,13 @@ def _draw(
     option, camera = mujoco.MjvOption(), mujoco.MjvCamera()
     view = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
     height = float(qpos[0, 2])
-    camera.distance, camera.azimuth, camera.elevation = 3.4 * height, 145, -12
+    camera.distance, camera.azimuth, camera.elevation = 3.0 * height, 145, -12
     image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
     for pose in qpos:
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
-        camera.lookat[:] = pose[0], pose[1], height
+        camera.lookat[:] = pose[0], pose[1], 0.85 * height
         mujoco.mjv_updateScene(model, data, option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
         mujoco.mjr_render(view, scene, resources)
         mujoco.mjr_readPixels(image, None, view, resources)

@@ -49,6 +49,7 @@ def write_report(
     Raises:
         InvalidFile: the folder cannot be written.
     """
+    folder = make_folder(folder)
     verdict = judgement.verdict
     word = "feasible" if verdict.passed else "infeasible"
     parts = {
@@ -72,7 +73,7 @@ def write_report(
     }
     template = _TEMPLATE.read_text(encoding="utf-8")
     page = re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
-    path = make_folder(folder) / "report.html"
+    path = folder / "report.html"
     write_text(path, page)
     return path
 
