@@ -105,7 +105,7 @@ def _stride(clip: HumanClip, geometry: RobotGeometry) -> float:
     reach = LONGEST_LEG * geometry.length("left_hip", "left_knee", "left_ankle") / geometry.hip_height * leg
     share = 1.0
     for i, side in enumerate(hm.SIDES):
-        standing = maximum_filter1d(clip.contacts[:, i], 2 * round(LANDING_S * clip.fps) + 1)
+        standing = maximum_filter1d(clip.contacts[:, i], 2 * round(LANDING_S * clip.fps) + 1).astype(bool)
         across = (joint(clip.joints, f"{side}_hip") - joint(clip.joints, f"{side}_ankle"))[standing]
         height = np.minimum(across[:, 2], LOWERED_HIP * leg)
         allowed = np.sqrt(np.maximum(reach**2 - height**2, 0))

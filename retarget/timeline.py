@@ -44,9 +44,9 @@ def plan_timeline(duration_s: float, fps: float) -> Timeline:
     """
     eased = min(duration_s, EASE_S) / 2
     length = 2 * HOLD_S + 2 * EASE_S + duration_s - 2 * eased
-    times = np.arange(round(length * fps) + 1) / fps
-    last = times[-1]
-    since, until = (times - HOLD_S) / EASE_S, (last - HOLD_S - times) / EASE_S
+    # The robot's frames do not divide the clip exactly: time runs up to half a frame faster or slower over the clip.
+    times = np.linspace(0, length, round(length * fps) + 1)
+    since, until = (times - HOLD_S) / EASE_S, (length - HOLD_S - times) / EASE_S
     human = np.where(
         since < 1,
         2 * eased * _smoothstep_integral(since),

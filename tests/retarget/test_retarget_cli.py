@@ -1,0 +1,35 @@
+import json
+
+import pytest
+
+from retarget.cli import Retarget
+from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
+from ros_free_stack.files import load_trajectory, save_motion
+
+
+def test_writes_trajectory_and_table_and_reports(tmp_path, motions, capsys):
+    save_motion(tmp_path / "human.npz", motions["wave"])
+    out = tmp_path / "new" / "robot.npz"
+    assert Retarget(motion=tmp_path / "human.npz", out=out, balance=False, json=True).run() == 0
+    result = json.loads(capsys.readouterr().out)
+    trajectory = load_trajectory(out)
+    assert result["frames"] == len(trajectory.joint_pos) == len(out.with_suffix(".csv").read_text().splitlines()) - 1
+    assert set(result["report"]["position_error_cm"]) >= {"pelvis", "right_wrist", "left_sole"}
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"robot": "r2d2"}, UnknownName),
+        ({"out": "robot.txt"}, InvalidOption),
+        ({"motion": "missing.npz"}, InvalidFile),
+        ({"fps": -1.0}, InvalidOption),
+    ],
+)
+def test_bad_input_is_one_clear_error_and_writes_nothing(tmp_path, motions, options, error):
+    save_motion(tmp_path / "human.npz", motions["stand"])
+    arguments = {"motion": "human.npz", "out": "out/robot.npz"} | options
+    paths = {name: tmp_path / arguments[name] for name in ("motion", "out")}
+    with pytest.raises(error):
+        Retarget(**(arguments | paths)).run()
+    assert not list(tmp_path.rglob("robot*"))
