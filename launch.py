@@ -2,16 +2,17 @@
 """Command a humanoid by text: the composition root and command line, the only file that knows every stage."""
 
 import importlib
+import os
 import signal
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TypeVar
 
 import tyro
 
@@ -21,8 +22,11 @@ from ros_free_stack.messages import HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
 
 if TYPE_CHECKING:
+    from generator.text.encoder import TextEncoder
     from retarget.report import RetargetReport
     from sim.verdict import Judgement
+
+Stage = TypeVar("Stage")
 
 INTERRUPTED = 130
 MAX_CANDIDATES = 64
@@ -107,9 +111,10 @@ class Pipeline:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
+        from generator.generate import WEIGHTS_FOLDER
         from generator.text.understanding import Understanding
 
-        understanding: Understanding = self._stage("understanding", Understanding)
+        understanding = self._stage("understanding", lambda: Understanding(WEIGHTS_FOLDER, self._encoder))
         return understanding.segments(prompt, anyway=anyway)
 
     def generate(
@@ -118,14 +123,14 @@ class Pipeline:
         """Human motions for a prompt."""
         from generator.generate import MotionGenerator
 
-        generator: MotionGenerator = self._stage("generator", MotionGenerator.load)
+        generator = self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
         return generator.generate(prompt, segments, seed=seed, candidates=candidates)
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
         """The robot's trajectory of a human motion, and what had to be given up."""
         from retarget.pipeline import Retargeter
 
-        retargeter: Retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
+        retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
         result = retargeter.retarget(motion)
         return result.trajectory, result.report
 
@@ -149,7 +154,12 @@ class Pipeline:
                 found.append(Candidate(motion, trajectory, report, self.judge(trajectory)))
         return tuple(sorted(found, key=lambda candidate: candidate.order))
 
-    def _stage(self, name: str, make: Any) -> Any:
+    def _encoder(self) -> "TextEncoder":
+        from generator.text.encoder import TextEncoder
+
+        return self._stage("encoder", TextEncoder)
+
+    def _stage(self, name: str, make: Callable[[], Stage]) -> Stage:
         if name not in self._stages:
             self._stages[name] = make()
         return self._stages[name]
@@ -314,6 +324,8 @@ def main(arguments: list[str]) -> int:
     if len(arguments) == 1 and any(name.startswith(group) for name in COMMANDS):
         print(usage(prefix=group))
         return 0
+    # PyTorch's threads spin while they wait, which makes it many times slower where cores are shared.
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
     previous = signal.signal(signal.SIGTERM, _terminate)
     try:
         return parse(*find_command(arguments)).run()

@@ -1,6 +1,5 @@
 """Subcommands of the generator: `train` and `generate`."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -14,8 +13,8 @@ from ros_free_stack.console import Command
 class Train(Command):
     """Train a model of the generator; interrupt it at will and go on with --resume."""
 
-    stage: Annotated[Literal["tokenizer", "mask", "residual", "durations", "all"], tyro.conf.Positional]
-    """Which model; each but `durations` needs the one before it. `all` trains one after the other."""
+    stage: Annotated[Literal["tokenizer", "mask", "residual", "durations", "domain", "all"], tyro.conf.Positional]
+    """Which model; mask needs tokenizer, residual too. `domain` lists the known texts. `all` does all in turn."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""
     out: Path
@@ -36,16 +35,19 @@ class Train(Command):
     """Go on from the last checkpoint in the output folder."""
 
     def run(self) -> int:
-        _threads_sleep_while_waiting()
         import torch
 
         from generator.data.dataset import MotionDataset
+        from generator.training.domain import fit_domain
         from generator.training.stages import STAGES, Job, choose_device
 
         torch.set_num_threads(self.threads)
         dataset, device = MotionDataset.open(self.dataset), choose_device(self.device)
         results: dict[str, dict[str, float]] = {}
-        for stage in STAGES if self.stage == "all" else (self.stage,):
+        for stage in (*STAGES, "domain") if self.stage == "all" else (self.stage,):
+            if stage == "domain":
+                results[stage] = fit_domain(dataset, self.out)
+                continue
             torch.manual_seed(self.seed)
             job = Job(
                 stage, dataset, self.preset, self.out, self.iterations, self.minutes, device, self.seed, self.resume
@@ -74,18 +76,20 @@ class Generate(Command):
     """Total duration in s, 2 to 9.8; from the sentence where not given."""
     weights: Path | None = None
     """Folder of trained models; the ones that come with the program where not given."""
+    anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Try a sentence outside what the model knows."""
 
     def run(self) -> int:
-        _threads_sleep_while_waiting()
         from generator.generate import WEIGHTS_FOLDER, MotionGenerator
-        from generator.text.splitter import Splitter
+        from generator.text.understanding import Understanding
         from ros_free_stack.files import make_folder, save_motion
 
-        segments = Splitter().split(self.prompt)
-        motions = MotionGenerator.load(self.weights or WEIGHTS_FOLDER).generate(
+        folder = self.weights or WEIGHTS_FOLDER
+        segments, _ = Understanding(folder).segments(self.prompt, anyway=self.anyway)
+        make_folder(self.out.parent)
+        motions = MotionGenerator.load(folder).generate(
             self.prompt, segments, seed=self.seed, candidates=self.candidates, duration_s=self.duration
         )
-        make_folder(self.out.parent)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
@@ -93,8 +97,3 @@ class Generate(Command):
         found = {"files": [str(path) for path in paths], "segments": [vars(s) for s in motions[0].segments]}
         self.report(found, *lines, *(f"wrote {path}" for path in paths))
         return 0
-
-
-def _threads_sleep_while_waiting() -> None:
-    """To be called before PyTorch loads. Spinning threads make training many times slower where cores are shared."""
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Final, Self, TypeVar
 
@@ -48,11 +47,14 @@ class MotionGenerator:
     mask: MaskTransformer
     residual: ResidualTransformer
     durations: DurationModel
+    text_encoder: TextEncoder
     name: str
 
     @classmethod
-    def load(cls, folder: Path = WEIGHTS_FOLDER, *, device: str = "cpu") -> Self:
-        """Read the four models.
+    def load(
+        cls, folder: Path = WEIGHTS_FOLDER, *, text_encoder: TextEncoder | None = None, device: str = "cpu"
+    ) -> Self:
+        """Read the four models; `text_encoder` may be given where there already is one.
 
         Raises:
             NoWeights: a model is not trained, or was trained with another tokenizer; the message says what to do.
@@ -74,12 +76,9 @@ class MotionGenerator:
             fill("mask", MaskTransformer(saved["mask"].config_as(TransformerConfig))),
             fill("residual", ResidualTransformer(saved["residual"].config_as(TransformerConfig))),
             fill("durations", DurationModel(saved["durations"].config_as(DurationsConfig))),
+            text_encoder or TextEncoder(),
             f"generator {saved['mask'].digest[:8]}",
         )
-
-    @cached_property
-    def text_encoder(self) -> TextEncoder:
-        return TextEncoder()
 
     def generate(
         self,

@@ -1,5 +1,6 @@
 """A raw prompt to segment texts that the model knows: check, split, compare with the training texts."""
 
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 
@@ -14,8 +15,8 @@ DOMAIN = "domain.safetensors"
 class Understanding:
     """Parser and known texts, each loaded when first needed: a hopeless prompt costs neither."""
 
-    def __init__(self, folder: Path, encoder: TextEncoder | None = None) -> None:
-        """Take the known texts that lie in a folder of weights."""
+    def __init__(self, folder: Path, encoder: Callable[[], TextEncoder] = TextEncoder) -> None:
+        """Take the known texts that lie in a folder of weights; `encoder` makes or hands over the text encoder."""
         self._folder, self._encoder = folder, encoder
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
@@ -43,4 +44,4 @@ class Understanding:
 
     @cached_property
     def _domain(self) -> Domain:
-        return Domain.load(self._folder / DOMAIN, self._encoder or TextEncoder())
+        return Domain.load(self._folder / DOMAIN, self._encoder())
