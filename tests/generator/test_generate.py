@@ -17,7 +17,10 @@ from generator.models.durations import DurationModel, whole_tokens
 from generator.models.mask_transformer import MaskTransformer
 from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
-from ros_free_stack.errors import InvalidOption, NoWeights
+from generator.text.domain import Domain
+from generator.text.encoder import TextEncoder
+from generator.text.understanding import DOMAIN
+from ros_free_stack.errors import InvalidOption, NoWeights, OutOfDomain
 from ros_free_stack.files import load_motion
 from tests.generator.tiny_dataset import write_tiny_dataset
 
@@ -42,6 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     weights.save(folder / "mask", transformer, MaskTransformer(transformer), facts)
     weights.save(folder / "residual", transformer, ResidualTransformer(transformer), facts)
     weights.save(folder / "durations", DurationsConfig(8), DurationModel(DurationsConfig(8)), {})
+    Domain.fit(SEGMENTS, TextEncoder()).save(folder / DOMAIN)
     return folder
 
 
@@ -141,6 +145,15 @@ def test_generate_command_writes_a_motion(folder: Path, tmp_path: Path) -> None:
     assert len(first.segments) == len(second.segments) == 2
     assert first.prompt == PROMPT
     assert not np.array_equal(first.joints, second.joints)
+
+
+def test_generate_command_refuses_what_the_model_does_not_know(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "motion.npz"
+    with pytest.raises(OutOfDomain):
+        Generate(prompt="a person plays the piano", out=out, weights=folder).run()
+    assert not out.exists()
+    assert Generate(prompt="a person plays the piano", out=out, weights=folder, anyway=True).run() == 0
+    assert out.exists()
 
 
 def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
