@@ -112,12 +112,12 @@ def standing(frames: int = 20) -> RobotTrajectory:
     )
 
 
-@pytest.mark.parametrize("command", ["validate", "render"])
-def test_truncated_trajectory(command: str, tmp_path: Path, capsys):
+@pytest.mark.parametrize(("command", "out_name"), [("validate", "out"), ("render", "out.mp4")])
+def test_truncated_trajectory(command: str, out_name: str, tmp_path: Path, capsys):
     path = tmp_path / "trajectory.npz"
     save_trajectory(path, standing())
     path.write_bytes(path.read_bytes()[:300])
-    code, out, error = run(command, str(path), "--out", str(tmp_path / "out"), capsys=capsys)
+    code, out, error = run(command, str(path), "--out", str(tmp_path / out_name), capsys=capsys)
     assert code == 2
     assert out == ""
     assert_one_error_line(error)
