@@ -1,10 +1,12 @@
 """Frame by frame Gauss-Newton sequential quadratic programming with hard joint limits and planted feet.
 
 Each frame minimises |W r|^2 over increments d of the configuration, J r's Jacobian:
-    min 1/2 d'(J'W^2 J + D) d + (J'W^2 r + ...)'d   with   low <= q + d <= high,   Jc d = -c,   z + Jz d >= 0
-where c are the pose errors of feet that stand and z the heights of the other feet's corners (soft). The quadratic
-programs are solved by DAQP (Arnstrom, Bemporad and Axehill 2022, "A dual active-set solver for embedded quadratic
-programming using recursive LDL' updates").
+    min 1/2 d'(J'W^2 J + D) d + (J'W^2 r + ...)'d   with   low <= q + d <= high,   Jc d = -c,   z + Jz d >= 0,
+                                                           Jl (s + d) >= l
+where c are the pose errors of feet that stand, z the heights of the other feet's corners (soft), s the step that the
+frame has made so far and l the least changes of the distances between limbs (soft). The quadratic programs are solved
+by DAQP (Arnstrom, Bemporad and Axehill 2022, "A dual active-set solver for embedded quadratic programming using
+recursive LDL' updates").
 """
 
 from dataclasses import dataclass
@@ -14,6 +16,7 @@ import daqp
 import mujoco
 import numpy as np
 
+from retarget.collision import Approach, Collision
 from retarget.compiled import BufferedFunction, compiled
 from retarget.geometry import RobotGeometry
 from retarget.limits import JointBounds
@@ -77,6 +80,7 @@ class FrameSolver:
         self.geometry = geometry
         function = frame_problem(geometry)
         self._function = BufferedFunction(compiled(function) if machine_code else function)
+        self._collision = Collision(geometry)
         self.preparation_s = perf_counter() - started
         self._damping = np.full(geometry.model.nv, DAMPING)
         self._damping[:6] *= ROOT_SHARE
@@ -107,7 +111,8 @@ class FrameSolver:
                 low, high = qpos[geometry.qpos_index], qpos[geometry.qpos_index]
             else:
                 low, high = bounds.reach(qpos[geometry.qpos_index], step[geometry.dof_index])
-            qpos, step, kept = self._frame(qpos, step, low, high, planted & targets.contacts[k])
+            approach = self._collision.approach(qpos, 1 / targets.fps)
+            qpos, step, kept = self._frame(qpos, step, low, high, planted & targets.contacts[k], approach)
             outputs = self._evaluate(qpos)
             errors = outputs["foot_error"].reshape(feet, 2, 3)
             distance = np.linalg.norm(errors[:, 0], axis=1)
@@ -122,7 +127,8 @@ class FrameSolver:
         """The best of several starts for the first frame: the standing pose, and seeded draws around it."""
         geometry = self.geometry
         rng = np.random.default_rng(0)
-        self._aim(targets, 0, com, np.zeros(len(geometry.feet), dtype=bool))
+        planted = np.zeros(len(geometry.feet), dtype=bool)
+        self._aim(targets, 0, com, planted)
         best, lowest = geometry.standing, np.inf
         for start in range(FIRST_STARTS):
             qpos = geometry.standing.copy()
@@ -133,7 +139,9 @@ class FrameSolver:
                 draw = qpos[geometry.qpos_index] + spread * rng.uniform(-1, 1, len(spread))
                 qpos[geometry.qpos_index] = np.clip(draw, bounds.lower, bounds.upper)
             for _ in range(FIRST_ITERATIONS):
-                increment = self._increment(qpos, np.zeros_like(self._damping), bounds.lower, bounds.upper)[0]
+                approach = self._collision.approach(qpos, np.inf)
+                rest = np.zeros_like(self._damping)
+                increment = self._increment(qpos, rest, rest, bounds.lower, bounds.upper, planted, approach)[0]
                 qpos = self._moved(qpos, increment, bounds.lower, bounds.upper)
                 if np.abs(increment).max() < 1e-4:
                     break
@@ -165,40 +173,48 @@ class FrameSolver:
         return self._function()
 
     def _frame(
-        self, start: Floats, last_step: Floats, low: Floats, high: Floats, planted: Bools
+        self, start: Floats, last_step: Floats, low: Floats, high: Floats, planted: Bools, approach: Approach
     ) -> tuple[Floats, Floats, Bools]:
         """One frame from the last configuration: (configuration, whole step (nv,), feet kept as equalities)."""
         qpos, step, kept = start, np.zeros_like(last_step), planted
         for _ in range(ITERATIONS):
-            increment, solved = self._increment(qpos, step - last_step, low, high, kept)
+            increment, solved = self._increment(qpos, step, last_step, low, high, kept, approach)
             if not solved:
                 kept = np.zeros_like(kept)
-                increment, _ = self._increment(qpos, step - last_step, low, high, kept)
+                increment, _ = self._increment(qpos, step, last_step, low, high, kept, approach)
             qpos = self._moved(qpos, increment, low, high)
             step = step + increment
         step[self.geometry.dof_index] = (qpos - start)[self.geometry.qpos_index]
         return qpos, step, kept
 
     def _increment(
-        self, qpos: Floats, change: Floats, low: Floats, high: Floats, planted: Bools | None = None
+        self,
+        qpos: Floats,
+        step: Floats,
+        last_step: Floats,
+        low: Floats,
+        high: Floats,
+        planted: Bools,
+        approach: Approach,
     ) -> tuple[Floats, bool]:
-        """Solve one quadratic program: increment (nv,) and whether its constraints can be kept."""
+        """Solve one quadratic program: increment (nv,) after `step` (nv,), and whether its constraints can be kept."""
         geometry, nv = self.geometry, self.geometry.model.nv
         out = self._evaluate(qpos)
         dofs, joints = geometry.dof_index, qpos[geometry.qpos_index]
         hessian = out["hessian"] + np.diag(self._damping + self._smoothing)
         hessian[dofs, dofs] += self._posture
-        gradient = out["gradient"][:, 0] + self._smoothing * change
+        gradient = out["gradient"][:, 0] + self._smoothing * (step - last_step)
         gradient[dofs] += self._posture * (joints - geometry.standing[geometry.qpos_index])
 
-        planted = np.zeros(len(geometry.feet), dtype=bool) if planted is None else planted
         equal, free = np.repeat(planted, 6), np.repeat(~planted, 4)
-        rows = np.concatenate([out["foot_jacobian"][equal], out["height_jacobian"][free]])
+        rows = np.concatenate([out["foot_jacobian"][equal], out["height_jacobian"][free], approach.jacobian])
+        limbs = len(approach.least)
         count, held = nv + len(rows), int(equal.sum())
         lower, upper = np.full(count, -TRUST), np.full(count, TRUST)
         lower[dofs], upper[dofs] = low - joints, high - joints
         lower[nv : nv + held] = upper[nv : nv + held] = -out["foot_error"][equal, 0]
-        lower[nv + held :], upper[nv + held :] = -out["height"][free, 0], 1e30
+        lower[nv + held : count - limbs], upper[nv + held :] = -out["height"][free, 0], 1e30
+        lower[count - limbs :] = approach.least - approach.jacobian @ step
         sense = np.zeros(count, dtype=np.int32)
         sense[nv : nv + held], sense[nv + held :] = _EQUALITY, _SOFT
         increment, _, flag, _ = daqp.solve(

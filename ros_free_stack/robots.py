@@ -5,6 +5,7 @@ model lacks, the standing pose and, where the robot has Dynamixel servos, the se
 """
 
 import hashlib
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -34,6 +35,15 @@ class Sole:
     body: str
     corners: tuple[tuple[float, float, float], ...]
     ankle: str
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All points within `radius` of the segment from `start` to `end`, (3,) m each in a body's frame."""
+
+    start: tuple[float, float, float]
+    end: tuple[float, float, float]
+    radius: float
 
 
 @dataclass(frozen=True)
@@ -71,6 +81,8 @@ class RobotDescription:
             robot with a waist, less for one whose torso and pelvis are one body).
         attachments: human joint name to the robot point that plays its part.
         soles: foot name to sole.
+        capsules: body name to capsules that together cover the body's collision shapes.
+        collision_pairs: pairs of bodies, each with capsules, that a motion must keep apart.
         joints: actuated joint name to limits, in the model's order.
         limits_source: where limits that the model lacks come from.
         standing: joint positions in rad of a stable standing pose; joints not named are 0.
@@ -86,6 +98,8 @@ class RobotDescription:
     torso_lean: float
     attachments: dict[str, Attachment]
     soles: dict[str, Sole]
+    capsules: dict[str, tuple[Capsule, ...]]
+    collision_pairs: tuple[tuple[str, str], ...]
     joints: dict[str, JointLimits]
     limits_source: str
     standing: dict[str, float]
@@ -157,6 +171,7 @@ def read_description(path: Path) -> RobotDescription:
         text = path.read_text(encoding="utf-8")
         data = yaml.safe_load(text)
         model_path = _model_path(data["model"], path)
+        capsules = _capsules(data.get("capsules", {}))
         return RobotDescription(
             name=data["name"],
             title=data["title"],
@@ -166,6 +181,8 @@ def read_description(path: Path) -> RobotDescription:
             torso_lean=float(data["torso_lean"]),
             attachments=_attachments(data["attachments"]),
             soles=_soles(data["soles"]),
+            capsules=capsules,
+            collision_pairs=_collision_pairs(data.get("collision_pairs", {}), capsules),
             joints=_joints(data["joints"]),
             limits_source=data["limits_source"],
             standing={joint: float(value) for joint, value in data["standing"].items()},
@@ -199,6 +216,21 @@ def _soles(data: dict[str, Any]) -> dict[str, Sole]:
         foot: Sole(item["body"], tuple(_triple(corner) for corner in item["corners"]), item["ankle"])
         for foot, item in data.items()
     }
+
+
+def _capsules(data: dict[str, Any]) -> dict[str, tuple[Capsule, ...]]:
+    return {
+        body: tuple(Capsule(_triple(item["start"]), _triple(item["end"]), float(item["radius"])) for item in items)
+        for body, items in data.items()
+    }
+
+
+def _collision_pairs(data: dict[str, Any], bodies: Collection[str]) -> tuple[tuple[str, str], ...]:
+    pairs = tuple((first, second) for first, others in data.items() for second in others)
+    for body in dict.fromkeys(name for pair in pairs for name in pair):
+        if body not in bodies:
+            raise UnknownName("body with capsules", body, tuple(bodies))
+    return pairs
 
 
 def _joints(data: dict[str, Any]) -> dict[str, JointLimits]:

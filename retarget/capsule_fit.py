@@ -1,0 +1,112 @@
+"""Capsules around the collision shapes of a robot's bodies: how the numbers in the descriptions were found."""
+
+from itertools import product
+
+import mujoco
+import numpy as np
+from scipy.optimize import minimize
+from scipy.spatial import ConvexHull
+
+from ros_free_stack.messages import Floats
+from ros_free_stack.robots import Capsule
+
+SAMPLES_PER_TRIANGLE = 12
+"""Points along each edge of a hull's triangles, at most; a point every few millimetres."""
+
+
+def fit_capsules(surface: Floats, cells: tuple[int, int, int] = (1, 1, 1)) -> tuple[Capsule, ...]:
+    """Cover points (N, 3) with the capsule of least volume in each cell of a grid over their extent.
+
+    A capsule covers a convex body whose points it covers. Several follow a box more closely than one.
+    """
+    low, size = surface.min(axis=0), np.ptp(surface, axis=0)
+    index = np.minimum((surface - low) / size * cells, np.array(cells) - 1).astype(int)
+    found: list[Capsule] = []
+    for cell in product(*(range(count) for count in cells)):
+        inside = surface[(index == cell).all(axis=1)]
+        if len(inside) > 3:
+            found.append(_least_capsule(inside))
+    return tuple(found)
+
+
+def hull_surface(model: mujoco.MjModel, body: int, spacing: float = 0.004) -> Floats:
+    """(N, 3) points on the convex hulls of a body's colliding shapes, in the body's frame, m.
+
+    Args:
+        model: compiled with meshes.
+        body: body id.
+        spacing: largest distance of neighbouring points.
+    """
+    geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_contype[g]]
+    points = np.concatenate([_hull_points(_corners(model, geom), spacing) for geom in geoms])
+    _, one_per_cube = np.unique(np.round(4 / spacing * points), axis=0, return_index=True)
+    return points[one_per_cube]
+
+
+def distance_outside(points: Floats, capsules: tuple[Capsule, ...]) -> Floats:
+    """(N,) distance of points to the union of capsules, m; negative inside."""
+    return np.min(
+        [_to_segment(points, np.array(c.start), np.array(c.end)) - c.radius for c in capsules],
+        axis=0,
+    )
+
+
+def _least_capsule(points: Floats) -> Capsule:
+    """The capsule of least volume around points, from their principal axis by a simplex search."""
+    corners = points[ConvexHull(points).vertices]
+    centre, scale = (corners.min(axis=0) + corners.max(axis=0)) / 2, float(np.ptp(corners, axis=0).max())
+    principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
+
+    def volume(ends: Floats) -> float:
+        start, end = ends.reshape(2, 3)
+        radius = _to_segment(corners, start, end).max()
+        return float(radius**2 * (np.linalg.norm(end - start) + 4 / 3 * radius)) / scale**3
+
+    best, least = np.zeros((2, 3)), np.inf
+    for axis in principal:
+        reach = 0.3 * np.ptp(points @ axis) * axis
+        options = {"maxiter": 4000, "maxfev": 4000, "xatol": 1e-6, "fatol": 1e-8}
+        start = np.concatenate([centre - reach, centre + reach])
+        found = minimize(volume, start, method="Nelder-Mead", options=options)
+        if found.fun < least:
+            best, least = np.round(np.asarray(found.x, dtype=float).reshape(2, 3), 4), float(found.fun)
+    radius = np.ceil(1e4 * _to_segment(corners, best[0], best[1]).max()) / 1e4
+    (x, y, z), (u, v, w) = best.tolist()
+    return Capsule((x, y, z), (u, v, w), float(radius))
+
+
+def _to_segment(points: Floats, start: Floats, end: Floats) -> Floats:
+    along = end - start
+    share = np.clip((points - start) @ along / max(float(along @ along), 1e-12), 0, 1)
+    return np.linalg.norm(points - start - share[:, None] * along, axis=1)
+
+
+def _corners(model: mujoco.MjModel, geom: int) -> Floats:
+    """(N, 3) points whose convex hull is the shape, in the body's frame."""
+    size, kind = model.geom_size[geom], mujoco.mjtGeom(int(model.geom_type[geom]))
+    circle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = model.geom_dataid[geom]
+        first = model.mesh_vertadr[mesh]
+        points = model.mesh_vert[first : first + model.mesh_vertnum[mesh]].astype(float)
+    elif kind in (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE):
+        reach = size if kind == mujoco.mjtGeom.mjGEOM_BOX else np.full(3, size[0])
+        points = np.array(list(product((-1.0, 1.0), repeat=3))) * reach
+    else:
+        ring = np.stack([np.cos(circle), np.sin(circle)], axis=1) * size[0]
+        points = np.concatenate([np.column_stack([ring, np.full(len(ring), z)]) for z in (-size[1], size[1])])
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
+    return points @ rotation.reshape(3, 3).T + model.geom_pos[geom]
+
+
+def _hull_points(corners: Floats, spacing: float) -> Floats:
+    """Vertices and evenly spread points on the faces of a hull."""
+    hull = ConvexHull(corners)
+    found = [corners[hull.vertices]]
+    for triangle in corners[hull.simplices]:
+        longest = max(np.linalg.norm(triangle - np.roll(triangle, 1, axis=0), axis=1))
+        count = min(int(np.ceil(longest / spacing)), SAMPLES_PER_TRIANGLE)
+        shares = np.array([(i, j, count - i - j) for i in range(count + 1) for j in range(count + 1 - i)]) / count
+        found.append(shares @ triangle)
+    return np.concatenate(found)
