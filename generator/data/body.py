@@ -140,11 +140,25 @@ def two_bone(
     return start + axis * along[:, None] + bend * height[:, None], start + axis * length[:, None]
 
 
-def swivel_angle(start: Floats, middle: Floats, end: Floats, pole: Floats) -> Floats:
-    """(T,) swivel of a posed two-bone chain: the inverse of `two_bone`."""
+def swung(v: Floats, axis: Floats) -> Floats:
+    """(T, 3): `v`, level in a frame, after the smallest rotation that takes the frame's downward axis to `axis` (T, 3).
+
+    Where a leg swings, its knee's direction swings along; only a leg along the trunk, upwards, leaves it undefined.
+    """
+    axis = unit(axis)
+    both = axis - [0.0, 0.0, 1.0]
+    share = np.sum(axis * v, -1) / np.maximum(1.0 - axis[:, 2], 1e-6)
+    return v - share[:, None] * both
+
+
+def bend(start: Floats, middle: Floats, end: Floats, pole: Floats) -> tuple[Floats, Floats]:
+    """How far (T,) the middle joint of a chain lies off its line, towards the pole and aside: m.
+
+    Aside over towards is the tangent of the swivel that `two_bone` takes.
+    """
     towards, aside = _across(unit(end - start), pole)
-    bend = middle - start
-    return np.arctan2(np.sum(bend * aside, -1), np.sum(bend * towards, -1))
+    off = middle - start
+    return np.sum(off * towards, -1), np.sum(off * aside, -1)
 
 
 def ankle_and_ball(foot: Floats, roll: Floats) -> tuple[Floats, Floats]:

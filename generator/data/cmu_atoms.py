@@ -85,11 +85,15 @@ def mirror_params(params: dict[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Recording:
-    """A take on the common body with the signals that cuts are made by (per frame, SI units)."""
+    """A take on the common body with the signals that cuts are made by (per frame, SI units).
+
+    `sound` are its stretches of frames without a jump.
+    """
 
     take: str
     pose: Pose
     joints: np.ndarray
+    sound: tuple[tuple[int, int], ...]
     speeds: dict[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod
@@ -99,14 +103,23 @@ class _Recording:
         moved = np.linalg.norm(np.gradient(places, axis=0), axis=-1) * FPS
         flat = np.linalg.norm(np.gradient(gaussian_filter1d(places[:, 0, :2], 4, axis=0), axis=0), axis=-1) * FPS
         speeds = {name: gaussian_filter1d(moved[:, i], 1.0) for name, i in INDEX.items()}
-        return cls(take, pose, places, {**speeds, "travel": flat})
+        return cls(take, pose, places, cmu.sound_spans(joints), {**speeds, "travel": flat})
 
     @property
     def height(self) -> np.ndarray:
         return gaussian_filter1d(self.joints[:, 0, 2], 1.0)
 
-    def atom(self, span: tuple[int, int], name: str, params: dict[str, Any], **options: Any) -> Atom:
-        return Atom(name, params, cut(self.pose, *span), self.take, **options)
+    def sound_part(self, start: int, stop: int) -> tuple[int, int]:
+        """The longest part of a span without a jump."""
+        parts = [(max(start, a), min(stop, b)) for a, b in self.sound if a < stop and b > start]
+        return max(parts, key=lambda part: part[1] - part[0], default=(start, start))
+
+    def atom(
+        self, span: tuple[int, int], name: str, params: dict[str, Any], *, cyclic: bool = False, **options: Any
+    ) -> Atom:
+        """A deed; a cyclic one loses what a jump cuts off, while one about a kick's peak is as fast as a jump."""
+        span = self.sound_part(*span) if cyclic else span
+        return Atom(name, params, cut(self.pose, *span), self.take, cyclic=cyclic, **options)
 
 
 def load_atoms(folder: Path, takes: Iterable[cmu.Take] | None = None) -> tuple[Atom, ...]:
@@ -347,7 +360,7 @@ _RULES: Final[tuple[tuple[str, Callable[[_Recording], list[Atom]]], ...]] = (
 
 def _captioned(recording: _Recording, clip: cmu.Clip) -> list[Atom]:
     """The clip with those of its real captions that tell a single deed, as one atom; [] where none does."""
-    start, stop = round(clip.start_s * FPS), min(round(clip.end_s * FPS), length(recording.pose))
+    start, stop = recording.sound_part(round(clip.start_s * FPS), round(clip.end_s * FPS))
     said = [*clip.captions, *(mirror_words(caption) for caption in clip.mirrored_captions)]
     words = tuple(dict.fromkeys(word for caption in said if (word := marked_caption(caption))))
     if not words or stop - start < MIN_S * FPS:

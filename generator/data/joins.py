@@ -18,6 +18,8 @@ LONG_BRIDGE: Final = 13
 """Frames of a bridge whose feet stay about where they are, and of one that takes steps."""
 _SLIDE = 0.015  # m: nearer than this a foot needs no step
 _STEP = 0.06  # m: farther than this a bridge takes its time
+_TURNING = {"arm_left": 3, "arm_right": 3, "foot_left": 3, "foot_right": 3}
+"""Columns of angles that may have gone round by whole turns: the elbows' swivels and the feet's yaws."""
 
 
 def length(pose: Pose) -> int:
@@ -81,7 +83,12 @@ def layer(base: Pose, over: Pose, start: int, channels: tuple[str, ...], ramp: i
     for name in channels:
         share = weight.reshape(-1, *[1] * (out[name].ndim - 1))
         window = slice(start, start + frames)
-        out[name][window] = (1 - share) * out[name][window] + share * over[name][:frames]
+        change = over[name][:frames] - out[name][window]
+        if name in _TURNING:
+            angle, half = change[:, _TURNING[name]], frames // 2
+            angle[:half] -= _whole_turns(angle[0])
+            angle[half:] -= _whole_turns(angle[-1])  # at full weight, where a whole turn changes nothing
+        out[name][window] += share * change
     return out
 
 
@@ -98,8 +105,15 @@ def join(before: Pose, after: Pose) -> tuple[Pose, int, int]:
     turned = place(turned, np.zeros(2), before["heading"][-1] + turn)
     drift = 0.5 * span * (_rate(before, "root", -1) + _rate(turned, "root", 0))[:2]
     placed = place(turned, before["root"][-1, :2] + drift, turned["heading"][0])
+    for name, column in _TURNING.items():
+        placed[name][:, column] -= _whole_turns(placed[name][0, column] - before[name][-1, column])
     start = length(before)
     return concatenate(before, _bridge(before, placed, frames), placed), start, start + frames
+
+
+def _whole_turns(angle: float) -> float:
+    """The whole turns, in rad, nearest to an angle."""
+    return 2 * np.pi * round(angle / (2 * np.pi))
 
 
 def _smooth(share: np.ndarray) -> np.ndarray:

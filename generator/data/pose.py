@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from generator.data import body
-from generator.data.body import SIDES, SIGN, Floats, mirrored, rotate, rotation_matrix, unit, wrap, yaw_matrix
+from generator.data.body import SIDES, SIGN, Floats, mirrored, rotate, rotation_matrix, unit, yaw_matrix
 from ros_free_stack.errors import InvalidMessage
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
 
@@ -26,6 +26,8 @@ ARM_CHANNELS: Final = tuple(f"{name}_{side}" for name in ("collar", "arm") for s
 LEG_CHANNELS: Final = tuple(f"{name}_{side}" for name in ("foot", "roll", "knee") for side in SIDES)
 TRUNK_CHANNELS: Final = ("root", "heading", "pelvis", "spine", "neck")
 CHANNELS: Final = TRUNK_CHANNELS + ARM_CHANNELS + LEG_CHANNELS
+
+_STRAIGHT: Final = 0.02  # m: a knee that is less far off the leg's line shows little of the direction it bends to
 
 # (proximal joint, distal joint, share of the body's mass, centre along the bone), after Winter's tables.
 _SEGMENTS: Final = (
@@ -60,11 +62,15 @@ def arm_frame(chest: Floats) -> Floats:
     return yaw_matrix(np.arctan2(-chest[:, 0, 1], chest[:, 1, 1]))
 
 
-def knee_pole(pose: Pose, side: str) -> Floats:
-    """(T, 3) direction into which a knee bends at swivel 0: between those of the pelvis and the foot."""
-    foot = wrap(pose[f"foot_{side}"][:, 3] - pose["heading"])
-    yaw = pose["heading"] + pose["pelvis"][:, 2] + 0.5 * foot
-    return rotate(yaw_matrix(yaw), mirrored([1.0, 0.08, 0.0], side))
+def knee_pole(pose: Pose, side: str, leg: Floats) -> Floats:
+    """(T, 3) direction into which the knee of a `leg` (T, 3; from hip to ankle) bends at swivel 0.
+
+    For a leg that hangs down it lies between those of the pelvis and the foot; it swings with the leg.
+    """
+    pelvis = trunk_frames(pose)[0]
+    outward = 0.5 * np.sin(pose[f"foot_{side}"][:, 3] - pose["heading"])  # half the foot's; no angle makes it jump
+    pole = rotate(yaw_matrix(outward), mirrored([1.0, 0.08, 0.0], side))
+    return rotate(pelvis, body.swung(pole, rotate(np.swapaxes(pelvis, 1, 2), leg)))
 
 
 def joints(pose: Pose) -> Floats:
@@ -103,7 +109,8 @@ def _leg_joints(pose: Pose, side: str, pelvis: Floats, out: Floats) -> None:
     target, ball = body.ankle_and_ball(pose[f"foot_{side}"], pose[f"roll_{side}"])
     hip = out[:, 0] + rotate(pelvis, mirrored(body.HIP, side))
     swivel = pose[f"knee_{side}"] * SIGN[side]
-    knee, ankle = body.two_bone(hip, target, body.THIGH, body.SHANK, knee_pole(pose, side), swivel)
+    pole = knee_pole(pose, side, target - hip)
+    knee, ankle = body.two_bone(hip, target, body.THIGH, body.SHANK, pole, swivel)
     for name, place in (("hip", hip), ("knee", knee), ("ankle", ankle), ("foot", ball + ankle - target)):
         out[:, INDEX[f"{side}_{name}"]] = place
 
@@ -197,21 +204,36 @@ def _fit_arm(places: dict[str, Floats], pose: Pose, side: str, frame: Floats) ->
     bones = np.linalg.norm(elbow - shoulder, axis=-1) + np.linalg.norm(wrist - elbow, axis=-1)
     chart = body.direction_to_chart(rotate(np.swapaxes(frame, 1, 2), wrist - shoulder), side)
     reach = np.linalg.norm(wrist - shoulder, axis=-1) / np.median(bones)
-    swivel = body.swivel_angle(shoulder, elbow, wrist, rotate(frame, body.elbow_pole(side))) * SIGN[side]
+    ahead, aside = body.bend(shoulder, elbow, wrist, rotate(frame, body.elbow_pole(side)))
+    swivel = np.arctan2(aside, ahead) * SIGN[side]
     pose[f"arm_{side}"] = np.column_stack([chart, reach, _near(swivel, 0.0)])
     pose[f"collar_{side}"] = np.zeros((len(wrist), 2))
 
 
 def _fit_leg(places: dict[str, Floats], pose: Pose, side: str) -> None:
     hip, knee, ankle, ball = (places[f"{side}_{name}"] for name in ("hip", "knee", "ankle", "foot"))
-    sole = ball - ankle
-    yaw = _near(np.arctan2(sole[:, 1], sole[:, 0]), pose["heading"])
-    pitch = np.arctan2(-sole[:, 2], np.linalg.norm(sole[:, :2], axis=-1))
+    yaw = _near(_foot_yaw(knee, ankle, ball), pose["heading"])
+    sole = rotate(np.swapaxes(yaw_matrix(yaw), 1, 2), ball - ankle)
+    pitch = np.arctan2(-sole[:, 2], sole[:, 0])
     low = ball[:, 2] <= np.percentile(ball[:, 2], 40)
     roll = pitch - np.percentile(pitch[low], 20)  # captured feet differ in height: flat is how this one mostly stands
     foot = np.column_stack([np.zeros((len(yaw), 3)), yaw])
     foot[:, :3] = ankle - body.ankle_and_ball(foot, roll)[0]
     foot[:, 2] -= np.percentile(foot[:, 2], 3) - body.BALL_HEIGHT
     pose[f"foot_{side}"], pose[f"roll_{side}"] = foot, roll
-    swivel = body.swivel_angle(hip, knee, ankle, knee_pole(pose, side)) * SIGN[side]
-    pose[f"knee_{side}"] = np.clip(swivel, -0.6, 0.6)
+    ahead, aside = body.bend(hip, knee, ankle, knee_pole(pose, side, ankle - hip))
+    pose[f"knee_{side}"] = np.arctan2(aside, np.maximum(ahead, 0.0) + _STRAIGHT) * SIGN[side]  # knees bend one way
+
+
+def _foot_yaw(knee: Floats, ankle: Floats, ball: Floats) -> Floats:
+    """(T,) where a foot points, also when its sole is upright or past it, as behind a runner.
+
+    A sole alone cannot tell a foot past the vertical from one that points the other way, the ankle's axis can.
+    """
+    sole = unit(ball - ankle)
+    across = np.cross(unit(knee - ankle), sole)  # to the left, the longer the nearer to a right angle the ankle is
+    level = sole[:, :2]
+    ahead = np.stack([across[:, 1], -across[:, 0]], -1) + 0.5 * level  # a stretched ankle shows nothing
+    along = np.sum(level * ahead, -1, keepdims=True) * level  # a level sole shows it better than the ankle
+    course = along + (1 - np.sum(level**2, -1, keepdims=True)) * ahead
+    return np.arctan2(course[:, 1], course[:, 0])

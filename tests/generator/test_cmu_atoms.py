@@ -8,12 +8,12 @@ import pytest
 
 from generator.data import pose as poses
 from generator.data.actions import perform
-from generator.data.cmu_atoms import Atom, load_atoms, marked_caption, mirror_params
+from generator.data.cmu_atoms import MIN_S, Atom, load_atoms, marked_caption, mirror_params
 from generator.data.joins import length
 from generator.data.readers import cmu
 from generator.data.scene import Scene
 from ros_free_stack.errors import InvalidFile
-from ros_free_stack.skeleton import FPS, MIRRORED
+from ros_free_stack.skeleton import FPS, INDEX, MIRRORED
 
 
 @pytest.mark.parametrize(
@@ -50,6 +50,25 @@ def test_a_mirrored_atom_is_reflected_in_motion_and_words() -> None:
 def test_a_folder_without_index_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="index"):
         load_atoms(tmp_path)
+
+
+def test_what_a_jump_cuts_off_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = Scene(seed=0)
+    perform(scene, "walk", steps=9)
+    places = poses.joints(scene.solve())
+    jump = 2 * len(places) // 3
+    broken = places.copy()
+    broken[jump:, INDEX["left_wrist"]] += 1.5
+    take = cmu.Take("01_01", "walk", "1", 120.0, ())
+
+    def atom_of(joints: np.ndarray) -> Atom:
+        monkeypatch.setattr(cmu, "read_take", lambda folder, name: joints)
+        return load_atoms(tmp_path, [take])[0]
+
+    whole, sound = atom_of(places), atom_of(broken)
+    assert MIN_S * FPS <= length(sound.pose) < length(whole.pose)
+    steps = np.linalg.norm(np.diff(poses.joints(sound.pose), axis=0), axis=-1)
+    assert steps.max() * FPS < cmu.MAX_SPEED
 
 
 @pytest.fixture(scope="module")

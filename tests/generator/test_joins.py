@@ -84,3 +84,32 @@ def test_layering_takes_the_arms_alone(walk: Pose, wave: Pose) -> None:
     assert np.allclose(layered["arm_left"][frame], wave["arm_left"][frame - 4])
     for name in ("root", "foot_left", "foot_right", "spine"):
         assert np.array_equal(layered[name], walk[name])
+
+
+@settings(deadline=None, max_examples=6)
+@given(heading=st.floats(-20, 20), foot=st.integers(-3, 3), elbow=st.integers(-3, 3))
+def test_whole_turns_do_not_show_at_a_join(heading: float, foot: int, elbow: int) -> None:
+    before, after = performed("wave", seed=1, side="left"), place(performed("nod"), np.zeros(2), heading)
+    plain, *_ = join(before, after)
+    for side in ("left", "right"):
+        after[f"foot_{side}"][:, 3] += 2 * np.pi * foot
+        after[f"arm_{side}"][:, 3] += 2 * np.pi * elbow
+    wound, *_ = join(before, after)
+    assert np.allclose(poses.joints(wound), poses.joints(plain), atol=1e-6)
+
+
+def test_whole_turns_do_not_show_where_arms_are_layered(walk: Pose, wave: Pose) -> None:
+    wound = {**wave, "arm_left": wave["arm_left"] + [0, 0, 0, 6 * np.pi]}
+    layered, again = (layer(walk, over, 4, ARM_CHANNELS) for over in (wave, wound))
+    assert np.allclose(poses.joints(layered), poses.joints(again), atol=1e-9)
+
+
+def test_clips_that_head_more_than_half_a_turn_apart_join_without_a_spin() -> None:
+    before = performed("turn", angle=270.0)
+    for after in (performed("turn", angle=-200.0), place(performed("walk", steps=4), np.zeros(2), -3.0)):
+        joined, start, stop = join(before, after)
+        bridge = slice(start - 1, stop + 1)
+        for name in ("heading", "foot_left", "foot_right"):
+            yaw = joined[name][bridge] if name == "heading" else joined[name][bridge, 3]
+            assert np.ptp(yaw) < 1.5, name
+        assert speeds(joined)[bridge].max() < 8.0
