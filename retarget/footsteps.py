@@ -5,6 +5,7 @@ human's footholds, times and swing paths, and little of the foot's own tilt.
 """
 
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, gaussian_filter1d
@@ -21,6 +22,13 @@ SHORTEST_S = 0.08
 """Shorter stances are dropped and shorter swings filled."""
 SHORTEST_FLIGHT_S = 0.10
 """Shorter times without any contact are gaps of the detection, not flight."""
+LONGEST_HAND_OVER_S = 0.5
+"""A foot that lifts later than this after the other has landed does not take turns with it."""
+SWING_SHARE = 0.15
+LIFT_OFF, LANDED = 0.06, 0.88
+"""Phases of a swing between which the foot travels over the floor: it rises first and comes down last."""
+FADE_S = 0.15
+"""Time from a standing foot to one that follows the human's own path."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,43 @@ def runs(mask: Bools) -> list[tuple[int, int]]:
     """(start, end) of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+@dataclass(frozen=True)
+class HandOver:
+    """A change of the standing foot: foot `to` lands at frame `landed`, foot `off` lifts at frame `lifted`."""
+
+    to: int
+    off: int
+    landed: int
+    lifted: int
+
+
+def hand_overs(contacts: Bools, fps: float) -> list[HandOver]:
+    """Every landing of a foot that is soon followed by, or that soon follows, the lift-off of another."""
+    found: list[HandOver] = []
+    for to, off in permutations(range(contacts.shape[1]), 2):
+        lifts = [end for _, end in runs(contacts[:, off]) if end < len(contacts)]
+        for landed in (start for start, _ in runs(contacts[:, to]) if start > 0):
+            near = [lift for lift in lifts if -SHORTEST_FLIGHT_S <= (lift - landed) / fps <= LONGEST_HAND_OVER_S]
+            if near:
+                found.append(HandOver(to, off, landed, near[0]))
+    return found
+
+
+def prolong_double_support(contacts: Bools, fps: float, wanted_s: float) -> Bools:
+    """(N, F) contacts in which a foot lands earlier and the other one lifts later, until both stand for `wanted_s`.
+
+    No swing gives up more than `SWING_SHARE` of its time at either end.
+    """
+    longer = contacts.copy()
+    for change in hand_overs(contacts, fps):
+        missing = max(round((wanted_s * fps - (change.lifted - change.landed)) / 2), 0)
+        before = next(end - start for start, end in runs(~contacts[:, change.to]) if end == change.landed)
+        after = next(end - start for start, end in runs(~contacts[:, change.off]) if start == change.lifted)
+        longer[change.landed - min(missing, int(SWING_SHARE * before)) : change.landed, change.to] = True
+        longer[change.lifted : change.lifted + min(missing, int(SWING_SHARE * after)), change.off] = True
+    return longer
 
 
 def plan_contacts(contacts: Bools, heights: Floats, hold: Bools, fps: float) -> Bools:
@@ -70,38 +115,48 @@ def plan_contacts(contacts: Bools, heights: Floats, hold: Bools, fps: float) -> 
     return planned
 
 
-def clean_path(path: FootPath, *, ankle_height: float, clearance: float, corners: Floats) -> FootPath:
-    """Lock the stances of a path and give its swings clearance.
+def clean_path(path: FootPath, *, ankle_height: float, clearance: float, corners: Floats, fps: float) -> FootPath:
+    """Lock the stances of a path, join them by smooth swings and give those clearance.
+
+    A swing is a smooth step from foothold to foothold plus the human's own deviation from one, which is faded out
+    toward the ends: the foot leaves and lands at rest.
 
     Args:
         path: the scaled human foot, with its planned contacts.
         ankle_height: height of the ankle above a flat sole, m.
         clearance: height of the sole at mid-swing, m.
         corners: (4, 3) sole corners from the ankle, in the sole's frame, m.
+        fps: frames a second.
     """
-    shift, turn = np.zeros_like(path.ankle), np.zeros((len(path.yaw), 1))
+    own = np.column_stack([path.ankle, path.yaw])
+    held = own.copy()
     for start, end in runs(path.contact):
         stance = slice(start, end)
-        foothold = np.array([*np.median(path.ankle[stance, :2], axis=0), ankle_height])
-        shift[stance] = foothold - path.ankle[stance]
-        turn[stance, 0] = np.median(path.yaw[stance]) - path.yaw[stance]
-    ankle = path.ankle + _bridged(shift, path.contact)
-    yaw = path.yaw + _bridged(turn, path.contact)[:, 0]
+        held[stance] = [*np.median(path.ankle[stance, :2], axis=0), ankle_height, np.median(path.yaw[stance])]
+    moved = held.copy()
+    for start, end in runs(~path.contact):
+        moved[start:end] = _swing(own, held, start, end, FADE_S * fps)
+    ankle, yaw = moved[:, :3], moved[:, 3]
     frames_away = np.asarray(distance_transform_edt(~path.contact))
     fade = np.clip((frames_away - 2) / 8, 0, 1)
     pitch = gaussian_filter1d(SWING_PITCH * path.pitch * fade, 1.5) * ~path.contact
     return _lifted(FootPath(ankle, yaw, pitch, path.contact), clearance, corners)
 
 
-def _bridged(values: Floats, known: Bools) -> Floats:
-    """(N, D) values with every unknown stretch filled smoothly from the known values around it."""
-    filled = values.copy()
-    for start, end in runs(~known):
-        before = values[start - 1] if start > 0 else values[min(end, len(values) - 1)]
-        after = values[end] if end < len(values) else before
-        share = minimum_jerk(np.arange(1, end - start + 1) / (end - start + 1))
-        filled[start:end] = before + share[:, None] * (after - before)
-    return filled
+def _swing(own: Floats, held: Floats, start: int, end: int, fade: float) -> Floats:
+    """(end - start, D) values from those held before `start` to those held at `end`, as much as possible `own`."""
+    if end - start == len(own):
+        return own
+    first, last = max(start - 1, 0), min(end, len(own) - 1)
+    step = np.arange(1, end - start + 1)
+    share = minimum_jerk((step / (end - start + 1) - LIFT_OFF) / (LANDED - LIFT_OFF))[:, None]
+    known = [k for k in (start - 1, end) if 0 <= k < len(own)]
+    before, after = (held[known[0]] - own[known[0]], held[known[-1]] - own[known[-1]])
+    landing = held[first] + share * (held[last] - held[first])
+    following = own[start:end] + before + share * (after - before)
+    away = np.minimum(step if start > 0 else fade, step[::-1] if end < len(own) else fade)
+    free = minimum_jerk(away / fade)[:, None]
+    return landing + free * (following - landing)
 
 
 def _lifted(path: FootPath, clearance: float, corners: Floats) -> FootPath:

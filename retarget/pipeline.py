@@ -9,9 +9,10 @@ from retarget.balance import SHRINK, balanced_com, supports, zmp_excess
 from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
 from retarget.human import align
+from retarget.pace import walking_pace
 from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
-from retarget.targets import Targets, make_targets
+from retarget.targets import Targets, make_targets, stride_share
 from retarget.timeline import plan_timeline
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
@@ -50,7 +51,9 @@ class Retargeter:
         times = {"prepare": self.preparation_s}
         started = perf_counter()
         clip = align(motion)
-        targets = make_targets(clip, self._geometry, plan_timeline(clip.duration_s, fps))
+        stride = stride_share(clip, self._geometry)
+        pace = walking_pace(clip, self._geometry.hip_height, scale=stride * self._geometry.hip_height / clip.leg_length)
+        targets = make_targets(clip, self._geometry, plan_timeline(pace, fps), stride)
         times["targets"] = perf_counter() - started
         started = perf_counter()
         solution = self._solver.solve(targets)
@@ -62,7 +65,15 @@ class Retargeter:
             times["balance"] = perf_counter() - started
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
-            report=make_report(self._geometry, targets, solution, excess, times),
+            report=make_report(
+                self._geometry,
+                targets,
+                solution,
+                zmp_outside_cm=excess,
+                stride_scale=stride,
+                slowdown=pace.slowdown,
+                timings_s=times,
+            ),
         )
 
     def _balanced(self, targets: Targets, solution: Solution) -> tuple[Solution, dict[str, Spread]]:

@@ -47,6 +47,8 @@ class RetargetReport:
         given_up: limbs that could not follow their targets, and when.
         slipped_contact_s: time in which a standing foot could not be kept on its foothold, all feet together.
         flight_s: time without any foot on the floor; the balance pass leaves it as it is.
+        stride_scale: travel over the floor, over that of the human at the robot's size; 1 where nothing was shortened.
+        slowdown: time of the motion over the human's; 1 where nothing was slowed down.
         zmp_outside_cm: how far the zero moment point leaves the support polygon, (mean, max), before and after
             balancing; None without the balance pass.
         timings_s: seconds of each step.
@@ -57,6 +59,8 @@ class RetargetReport:
     given_up: tuple[GivenUp, ...]
     slipped_contact_s: float
     flight_s: float
+    stride_scale: float
+    slowdown: float
     zmp_outside_cm: dict[str, Spread] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
 
@@ -76,6 +80,9 @@ def make_report(
     geometry: RobotGeometry,
     targets: Targets,
     solution: Solution,
+    *,
+    stride_scale: float,
+    slowdown: float,
     zmp_outside_cm: dict[str, Spread] | None,
     timings_s: dict[str, float],
 ) -> RetargetReport:
@@ -92,6 +99,8 @@ def make_report(
         given_up=tuple(_given_up(geometry, targets, solution, errors)),
         slipped_contact_s=float(solution.released.sum()) / targets.fps,
         flight_s=float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
+        stride_scale=stride_scale,
+        slowdown=slowdown,
         zmp_outside_cm=zmp_outside_cm,
         timings_s=timings_s,
     )

@@ -3,14 +3,16 @@
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+import mujoco
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from retarget import human as hm
-from retarget.footsteps import CLEARANCE_M, FootPath, clean_path, plan_contacts
+from retarget.footsteps import CLEARANCE_M, FootPath, clean_path, plan_contacts, prolong_double_support
 from retarget.geometry import Foot, RobotGeometry
 from retarget.human import HumanClip, joint, unit, yaw_rotation
+from retarget.pace import double_support_s, swings
 from retarget.timeline import Timeline
 from ros_free_stack.messages import Bools, Floats
 
@@ -24,6 +26,10 @@ LONGEST_LEG = 0.97
 LOWERED_HIP = 0.93
 """Height, in leg lengths, to which the hips may come down in a long step."""
 SHORTEST_STRIDE = 0.6
+LONGEST_STEP = 0.85
+"""Way of a swinging foot from foothold to foothold, in heights of the hips."""
+WIDER_STANCE = 1.2
+"""Width of a stance over the one in which the body could still rest on one foot: it is passed through in motion."""
 LANDING_S = 0.1
 """Time before touch-down and after lift-off in which a leg counts as bearing weight."""
 
@@ -62,11 +68,11 @@ class Targets:
         return replace(self, points=points)
 
 
-def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline) -> Targets:
-    """Targets of a robot for a clip, from standing to standing."""
+def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline, stride: float) -> Targets:
+    """Targets of a robot for a clip, from standing to standing; `stride` from `stride_share`."""
     joints, detected = clip.sample(timeline.human_s)
     scale = geometry.hip_height / clip.leg_length
-    travel = np.array([*[_stride(clip, geometry) * scale] * 2, scale])
+    travel = np.array([*[stride * scale] * 2, scale])
     feet = _foot_paths(clip, geometry, timeline, joints, detected, travel)
     points, rotations = _body(clip, geometry, joints, travel)
     own_points, own_rotations = _standing(geometry, feet, timeline.weight)
@@ -96,14 +102,14 @@ def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline) -
     )
 
 
-def _stride(clip: HumanClip, geometry: RobotGeometry) -> float:
+def stride_share(clip: HumanClip, geometry: RobotGeometry) -> float:
     """Share of the human's travel over the floor that the robot's legs can make with flat feet.
 
     A person's long step rests on the toes behind and the heel in front; a flat foot ends where the leg is straight.
     """
     leg = clip.leg_length
     reach = LONGEST_LEG * geometry.length("left_hip", "left_knee", "left_ankle") / geometry.hip_height * leg
-    share = 1.0
+    share = min(1.0, _longest_step(clip, geometry), _widest_stance(clip, geometry))
     for i, side in enumerate(hm.SIDES):
         standing = maximum_filter1d(clip.contacts[:, i], 2 * round(LANDING_S * clip.fps) + 1).astype(bool)
         across = (joint(clip.joints, f"{side}_hip") - joint(clip.joints, f"{side}_ankle"))[standing]
@@ -112,6 +118,43 @@ def _stride(clip: HumanClip, geometry: RobotGeometry) -> float:
         flat = np.linalg.norm(across[:, :2], axis=1)
         share = min(share, float((allowed / np.maximum(flat, 1e-6)).min(initial=1.0)))
     return max(share, SHORTEST_STRIDE)
+
+
+def _longest_step(clip: HumanClip, geometry: RobotGeometry) -> float:
+    """Share of the human's travel at which no swing is longer than `LONGEST_STEP`."""
+    longest = max((swing.step for swing in swings(clip)), default=0.0) * geometry.hip_height / clip.leg_length
+    return LONGEST_STEP * geometry.hip_height / max(longest, 1e-6)
+
+
+def _widest_stance(clip: HumanClip, geometry: RobotGeometry) -> float:
+    """Share of the human's travel at which the ankles can roll far enough to bring the body over either foot."""
+    both = clip.contacts.all(axis=1)
+    if not both.any():
+        return 1.0
+    facing = hm.heading(clip.joints)[both]
+    between = (joint(clip.joints, "left_ankle") - joint(clip.joints, "right_ankle"))[both]
+    apart = between[:, 1] * np.cos(facing) - between[:, 0] * np.sin(facing)
+    scale = geometry.hip_height / clip.leg_length
+    hips = geometry.length("left_hip", "right_hip")
+    leaning = np.tan(_ankle_roll(geometry)) * geometry.hip_height
+    allowed = WIDER_STANCE * (leaning + hips / 2) - hips
+    return allowed / max(float(apart.max() - clip.hip_width) * scale, 1e-6)
+
+
+def _ankle_roll(geometry: RobotGeometry) -> float:
+    """Least range in rad to either side of the joints that roll a foot; a right angle where none does."""
+    model = geometry.model
+    data = mujoco.MjData(model)
+    data.qpos[:] = geometry.standing
+    mujoco.mj_kinematics(model, data)
+    ranges = [1.2]
+    for foot in geometry.feet:
+        for name, limits in geometry.robot.joints.items():
+            hinge = model.joint(name).id
+            near = model.jnt_bodyid[hinge] in (foot.body, model.body_parentid[foot.body])
+            if near and abs(data.xaxis[hinge][0]) > 0.7:
+                ranges.append(min(limits.upper, -limits.lower))
+    return max(min(ranges), 0.0)
 
 
 def _foot_paths(
@@ -135,6 +178,7 @@ def _foot_paths(
     order = [hm.SIDES.index(foot.side) for foot in geometry.feet]
     heights = np.stack([ankle[:, 2] for ankle in ankles], axis=1)
     contacts = plan_contacts(detected[:, order], heights, timeline.hold, timeline.fps)
+    contacts = prolong_double_support(contacts, timeline.fps, double_support_s(geometry.hip_height))
     paths: list[FootPath] = []
     for i, foot in enumerate(geometry.feet):
         yaw, pitch = hm.foot_angles(joints, foot.side, clip.foot_pitch_rest)
@@ -149,6 +193,7 @@ def _foot_paths(
                 ankle_height=geometry.ankle_height,
                 clearance=CLEARANCE_M * travel[2],
                 corners=_corners_from_ankle(foot),
+                fps=timeline.fps,
             )
         )
     return paths

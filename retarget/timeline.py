@@ -11,6 +11,28 @@ EASE_S = 0.8
 
 
 @dataclass(frozen=True)
+class Pace:
+    """A monotone map between the robot's time and the human's: `robot_s` (K,) and `human_s` (K,), both from 0."""
+
+    robot_s: Floats
+    human_s: Floats
+
+    @property
+    def duration_s(self) -> float:
+        return float(self.robot_s[-1])
+
+    @property
+    def slowdown(self) -> float:
+        """The robot's time over the human's."""
+        human = float(self.human_s[-1])
+        return self.duration_s / human if human > 0 else 1.0
+
+    def moments(self, robot_s: Floats) -> Floats:
+        """The human's time at the robot's."""
+        return np.interp(robot_s, self.robot_s, self.human_s)
+
+
+@dataclass(frozen=True)
 class Timeline:
     """The robot's frames.
 
@@ -36,12 +58,13 @@ def minimum_jerk(phase: Floats) -> Floats:
     return x**3 * (10 - 15 * x + 6 * x**2)
 
 
-def plan_timeline(duration_s: float, fps: float) -> Timeline:
-    """A timeline for a clip of `duration_s`.
+def plan_timeline(pace: Pace, fps: float) -> Timeline:
+    """A timeline for a clip that is followed at a pace.
 
     The human's time starts at rate zero and reaches its own rate at the end of the easing, so that a clip that is cut
     in full motion still starts and ends at rest.
     """
+    duration_s = pace.duration_s
     eased = min(duration_s, EASE_S) / 2
     length = 2 * HOLD_S + 2 * EASE_S + duration_s - 2 * eased
     # The robot's frames do not divide the clip exactly: time runs up to half a frame faster or slower over the clip.
@@ -57,7 +80,7 @@ def plan_timeline(duration_s: float, fps: float) -> Timeline:
         ),
     )
     weight = minimum_jerk(since) * minimum_jerk(until)
-    return Timeline(fps, np.clip(human, 0, duration_s), weight, (since <= 0) | (until <= 0))
+    return Timeline(fps, pace.moments(np.clip(human, 0, duration_s)), weight, (since <= 0) | (until <= 0))
 
 
 def _smoothstep_integral(phase: Floats) -> Floats:
