@@ -10,8 +10,8 @@ from scipy.spatial import ConvexHull
 from ros_free_stack.messages import Floats
 from ros_free_stack.robots import Capsule
 
-SAMPLES_PER_TRIANGLE = 12
-"""Points along each edge of a hull's triangles, at most; a point every few millimetres."""
+RESTARTS = 3
+"""A simplex that has shrunk onto a ridge goes on from a fresh one."""
 
 
 def fit_capsules(surface: Floats, cells: tuple[int, int, int] = (1, 1, 1)) -> tuple[Capsule, ...]:
@@ -52,7 +52,7 @@ def distance_outside(points: Floats, capsules: tuple[Capsule, ...]) -> Floats:
 
 
 def _least_capsule(points: Floats) -> Capsule:
-    """The capsule of least volume around points, from their principal axis by a simplex search."""
+    """The capsule of least volume around points, from each principal axis by simplex searches."""
     corners = points[ConvexHull(points).vertices]
     centre, scale = (corners.min(axis=0) + corners.max(axis=0)) / 2, float(np.ptp(corners, axis=0).max())
     principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
@@ -62,14 +62,16 @@ def _least_capsule(points: Floats) -> Capsule:
         radius = _to_segment(corners, start, end).max()
         return float(radius**2 * (np.linalg.norm(end - start) + 4 / 3 * radius)) / scale**3
 
-    best, least = np.zeros((2, 3)), np.inf
+    best, least = np.zeros(6), np.inf
     for axis in principal:
         reach = 0.3 * np.ptp(points @ axis) * axis
-        options = {"maxiter": 4000, "maxfev": 4000, "xatol": 1e-6, "fatol": 1e-8}
-        start = np.concatenate([centre - reach, centre + reach])
-        found = minimize(volume, start, method="Nelder-Mead", options=options)
+        ends = np.concatenate([centre - reach, centre + reach])
+        for _ in range(RESTARTS):
+            found = minimize(volume, ends, method="Nelder-Mead", options={"maxfev": 3000, "xatol": 1e-6, "fatol": 1e-9})
+            ends = np.asarray(found.x)
         if found.fun < least:
-            best, least = np.round(np.asarray(found.x, dtype=float).reshape(2, 3), 4), float(found.fun)
+            best, least = np.round(ends, 4), float(found.fun)
+    best = best.reshape(2, 3)
     radius = np.ceil(1e4 * _to_segment(corners, best[0], best[1]).max()) / 1e4
     (x, y, z), (u, v, w) = best.tolist()
     return Capsule((x, y, z), (u, v, w), float(radius))
@@ -106,7 +108,7 @@ def _hull_points(corners: Floats, spacing: float) -> Floats:
     found = [corners[hull.vertices]]
     for triangle in corners[hull.simplices]:
         longest = max(np.linalg.norm(triangle - np.roll(triangle, 1, axis=0), axis=1))
-        count = min(int(np.ceil(longest / spacing)), SAMPLES_PER_TRIANGLE)
+        count = int(np.ceil(longest / spacing))
         shares = np.array([(i, j, count - i - j) for i in range(count + 1) for j in range(count + 1 - i)]) / count
         found.append(shares @ triangle)
     return np.concatenate(found)

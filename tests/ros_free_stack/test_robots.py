@@ -40,6 +40,27 @@ def test_attachments_and_soles_name_bodies_of_the_model(robot):
     assert all(sole.ankle in INDEX for sole in robot.soles.values())
 
 
+def test_capsules_and_collision_pairs_name_bodies_of_the_model(robot):
+    model = kinematic_model(robot)
+    bodies = {model.body(i).name for i in range(model.nbody)}
+    named = {body for pair in robot.collision_pairs for body in pair}
+    assert named == set(robot.capsules) <= bodies
+    assert len({frozenset(pair) for pair in robot.collision_pairs}) == len(robot.collision_pairs)
+    assert all(first != second for first, second in robot.collision_pairs)
+    assert all(capsule.radius > 0 for capsules in robot.capsules.values() for capsule in capsules)
+
+
+def test_left_and_right_capsules_mirror_each_other(robot):
+    for body, capsules in robot.capsules.items():
+        if body.startswith(("left", "l_")):
+            other = robot.capsules[body.replace("left", "right") if body.startswith("left") else "r" + body[1:]]
+            for left, right in zip(capsules, other, strict=True):
+                assert np.array([left.start, left.end]) * [1, -1, 1] == pytest.approx(
+                    np.array([right.start, right.end])
+                )
+                assert left.radius == right.radius
+
+
 def test_limits_reach_the_compiled_model(robot):
     model = kinematic_model(robot)
     for name, limits in robot.joints.items():
@@ -111,6 +132,14 @@ def test_damaged_description_names_the_file(tmp_path: Path):
     path = tmp_path / "broken.yaml"
     path.write_text("name: broken\n")
     with pytest.raises(InvalidFile, match=r"broken\.yaml"):
+        read_description(path)
+
+
+def test_collision_pair_without_capsules_names_the_body(tmp_path: Path):
+    source = Path(__file__).parents[2] / "ros_free_stack" / "robots" / "g1.yaml"
+    path = tmp_path / "g1.yaml"
+    path.write_text(source.read_text().replace("[torso_link]", "[tail]"))
+    with pytest.raises(UnknownName, match=r"'tail'; valid: .*torso_link"):
         read_description(path)
 
 
