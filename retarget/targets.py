@@ -19,8 +19,6 @@ from ros_free_stack.messages import Bools, Floats
 WIDEST_TOE_OUT = 0.35
 SOLE_GAP = 0.8
 """Least room between soles side by side, in widths of a sole."""
-BODY_WIDTH, BODY_DEPTH = 1.9, 1.6
-"""Half axes of the ellipse around the hips that hands and elbows stay out of, in half distances of the hips."""
 LONGEST_LEG = 0.97
 """Share of its full length to which a leg that bears weight is stretched."""
 LOWERED_HIP = 0.93
@@ -260,25 +258,11 @@ def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floa
             points[chain[0]] = hips + torso_rotation @ (standing[chain[0]] - centre)
         for parent, child in pairwise(chain):
             points[child] = points[parent] + _limb(geometry, joints, parent, child)
-        for name in chain[1:]:
-            points[name] = _beside_body(geometry, points[name], hips, torso_rotation, side)
     rotations = {"pelvis": pelvis_rotation, "torso": torso_rotation}
     return (
         np.stack([points[name] for name in geometry.followed], axis=1),
         np.stack([rotations[name] for name in geometry.frames], axis=1),
     )
-
-
-def _beside_body(geometry: RobotGeometry, points: Floats, hips: Floats, rotation: Floats, side: str) -> Floats:
-    """Points of an arm moved sideways out of an elliptic cylinder around the body: robots are wider than people."""
-    half = geometry.length("left_hip", "right_hip") / 2
-    sign = 1.0 if side == "left" else -1.0
-    local = np.einsum("nji,nj->ni", rotation, points - hips)
-    width = BODY_WIDTH * half * np.sqrt(np.maximum(1 - (local[:, 0] / (BODY_DEPTH * half)) ** 2, 0))
-    shoulder = geometry.points[f"{side}_shoulder"][2] - geometry.points[f"{side}_hip"][2]
-    width *= np.clip(4 * (1 - local[:, 2] / shoulder), 0, 1)
-    local[:, 1] = sign * np.maximum(sign * local[:, 1], width)
-    return hips + np.einsum("nij,nj->ni", rotation, local)
 
 
 def _limb(geometry: RobotGeometry, joints: Floats, parent: str, child: str) -> Floats:
