@@ -4,11 +4,12 @@ A robot's short flat soles roll over whatever a human foot does on its way to an
 human's footholds, times and swing paths, and little of the foot's own tilt.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, gaussian_filter1d
+from scipy.spatial import ConvexHull
 
 from retarget.human import pitch_rotation, yaw_rotation
 from retarget.timeline import minimum_jerk
@@ -113,6 +114,41 @@ def plan_contacts(contacts: Bools, heights: Floats, hold: Bools, fps: float) -> 
             if end - start < shortest:
                 foot[start:end] = False
     return planned
+
+
+def spread_footholds(paths: list[FootPath], corners: list[Floats], gap: float) -> list[FootPath]:
+    """Paths whose feet never land closer than `gap` m to a standing sole: the foothold is moved away as a whole.
+
+    Args:
+        paths: the scaled human feet, with their planned contacts.
+        corners: (4, 3) of each sole from its ankle, in the sole's frame, m.
+        gap: m.
+    """
+    ankles = [path.ankle.copy() for path in paths]
+    landings = [(start, end, i) for i, path in enumerate(paths) for start, end in runs(path.contact) if start > 0]
+    for start, end, i in sorted(landings):
+        for k, other in enumerate(paths):
+            standing = next(((a, b) for a, b in runs(other.contact) if a < start < b), None)
+            if k != i and standing:
+                here = _sole_outline(ankles[i][start:end], paths[i].yaw[start:end], corners[i])
+                there = _sole_outline(ankles[k][slice(*standing)], other.yaw[slice(*standing)], corners[k])
+                ankles[i][start:end, :2] += _way_apart(here, there, gap)
+    return [replace(path, ankle=ankle) for path, ankle in zip(paths, ankles, strict=True)]
+
+
+def _sole_outline(ankle: Floats, yaw: Floats, corners: Floats) -> Floats:
+    """(4, 2) corners on the floor of a foot that stands at the median of its path."""
+    turn = yaw_rotation(np.array(np.median(yaw)))[:2, :2]
+    return np.median(ankle[:, :2], axis=0) + corners[:, :2] @ turn.T
+
+
+def _way_apart(moving: Floats, fixed: Floats, gap: float) -> Floats:
+    """(2,) shortest move that leaves `gap` between two convex outlines, by their separating axis."""
+    normals = np.concatenate([ConvexHull(outline).equations[:, :2] for outline in (moving, fixed)])
+    normals = np.concatenate([normals, -normals])
+    gaps = (moving @ normals.T).min(axis=0) - (fixed @ normals.T).max(axis=0)
+    best = int(gaps.argmax())
+    return max(gap - float(gaps[best]), 0.0) * normals[best]
 
 
 def clean_path(path: FootPath, *, ankle_height: float, clearance: float, corners: Floats, fps: float) -> FootPath:

@@ -12,7 +12,7 @@ from retarget.human import align
 from retarget.pace import walking_pace
 from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
-from retarget.targets import Targets, make_targets, stride_share
+from retarget.targets import Targets, leg_speed, make_targets, stride_share
 from retarget.timeline import plan_timeline
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
@@ -52,7 +52,12 @@ class Retargeter:
         started = perf_counter()
         clip = align(motion)
         stride = stride_share(clip, self._geometry)
-        pace = walking_pace(clip, self._geometry.hip_height, scale=stride * self._geometry.hip_height / clip.leg_length)
+        pace = walking_pace(
+            clip,
+            self._geometry.hip_height,
+            leg_speed=leg_speed(self._geometry),
+            scale=stride * self._geometry.hip_height / clip.leg_length,
+        )
         targets = make_targets(clip, self._geometry, plan_timeline(pace, fps), stride)
         times["targets"] = perf_counter() - started
         started = perf_counter()

@@ -9,7 +9,14 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from retarget import human as hm
-from retarget.footsteps import CLEARANCE_M, FootPath, clean_path, plan_contacts, prolong_double_support
+from retarget.footsteps import (
+    CLEARANCE_M,
+    FootPath,
+    clean_path,
+    plan_contacts,
+    prolong_double_support,
+    spread_footholds,
+)
 from retarget.geometry import Foot, RobotGeometry
 from retarget.human import HumanClip, joint, unit, yaw_rotation
 from retarget.pace import double_support_s, swings
@@ -19,6 +26,8 @@ from ros_free_stack.messages import Bools, Floats
 WIDEST_TOE_OUT = 0.35
 SOLE_GAP = 0.8
 """Least room between soles side by side, in widths of a sole."""
+TURNED_GAP = 0.5
+"""Least room between a landing sole and a standing one, whichever way they point, in widths of a sole."""
 LONGEST_LEG = 0.97
 """Share of its full length to which a leg that bears weight is stretched."""
 LOWERED_HIP = 0.93
@@ -98,6 +107,22 @@ def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline, s
         following=timeline.weight,
         scale=scale,
     )
+
+
+def leg_speed(geometry: RobotGeometry) -> float:
+    """Largest speed in rad/s of the slowest joint between the free base and a foot."""
+    model, speeds = geometry.model, [np.inf]
+    for foot in geometry.feet:
+        body, above = foot.body, set[int]()
+        while body != geometry.frames["pelvis"] and body != 0:
+            above.add(body)
+            body = int(model.body_parentid[body])
+        speeds += [
+            limits.velocity
+            for name, limits in geometry.robot.joints.items()
+            if int(model.jnt_bodyid[model.joint(name).id]) in above
+        ]
+    return float(min(speeds))
 
 
 def stride_share(clip: HumanClip, geometry: RobotGeometry) -> float:
@@ -184,17 +209,19 @@ def _foot_paths(
         # A foot that points down has no yaw: it fades to the body's heading.
         certain = np.clip(1.6 - np.abs(pitch) / 0.6, 0, 1)
         yaw = facing + certain * np.clip(away, -WIDEST_TOE_OUT, WIDEST_TOE_OUT)
-        path = FootPath(ankles[i], yaw, pitch, contacts[:, i])
-        paths.append(
-            clean_path(
-                path,
-                ankle_height=geometry.ankle_height,
-                clearance=CLEARANCE_M * travel[2],
-                corners=_corners_from_ankle(foot),
-                fps=timeline.fps,
-            )
+        paths.append(FootPath(ankles[i], yaw, pitch, contacts[:, i]))
+    corners = [_corners_from_ankle(foot) for foot in geometry.feet]
+    paths = spread_footholds(paths, corners, TURNED_GAP * float(np.ptp(corners[0][:, 1])))
+    return [
+        clean_path(
+            path,
+            ankle_height=geometry.ankle_height,
+            clearance=CLEARANCE_M * travel[2],
+            corners=soles,
+            fps=timeline.fps,
         )
-    return paths
+        for path, soles in zip(paths, corners, strict=True)
+    ]
 
 
 def _keep_apart(geometry: RobotGeometry, ankles: list[Floats], facing: Floats) -> None:
