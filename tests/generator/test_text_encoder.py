@@ -52,9 +52,7 @@ def test_shapes_and_padding(encoder: TextEncoder) -> None:
 
 def test_no_texts(encoder: TextEncoder) -> None:
     found = encoder.encode([])
-    assert (
-        found.sentence.shape == (0, 384) and found.tokens.shape == (0, 0, 384) and found.mask.shape == (0, 0)
-    )
+    assert found.sentence.shape == (0, 384) and found.tokens.shape == (0, 0, 384) and found.mask.shape == (0, 0)
 
 
 def test_order_and_batch_do_not_matter(encoder: TextEncoder) -> None:

@@ -35,6 +35,14 @@ IDS = (3, 7, 4)
 SDK = Protocol2PacketHandler()
 
 
+class PatientPort(PortHandler):
+    """Waits longer than the SDK does: on a busy machine the emulator's thread may not run for tens of milliseconds."""
+
+    def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
+        super().setPacketTimeout(packet_length)
+        self.packet_timeout += 400
+
+
 @pytest.fixture
 def bus() -> Iterator[VirtualBus]:
     with VirtualBus([Servo.make(i, position=0.1 * i) for i in IDS]) as bus:
@@ -43,7 +51,7 @@ def bus() -> Iterator[VirtualBus]:
 
 @pytest.fixture
 def port(bus: VirtualBus) -> Iterator[PortHandler]:
-    handler = PortHandler(bus.port)
+    handler = PatientPort(bus.port)
     handler.openPort()
     yield handler
     handler.closePort()
