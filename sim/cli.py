@@ -25,7 +25,7 @@ class Validate(Command):
     level: Literal["strict", "default", "lenient"] = "default"
     """How strict the limits are."""
     physics: bool = True
-    """Also play the trajectory in physics."""
+    """Also play the trajectory in physics; without, nothing is written."""
     motion: Path | None = None
     """Human motion (.npz) that it was made from, for the pictures."""
     out: Path | None = None
@@ -35,11 +35,16 @@ class Validate(Command):
         """Judge, print the checks, and write the report where a folder is given."""
         from time import perf_counter
 
+        from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion, load_trajectory, make_folder, save_verdict
         from ros_free_stack.robots import load_robot
         from sim.report import write_report
         from sim.verdict import judge
 
+        if self.out is not None and not self.physics:
+            raise InvalidOption(
+                "--no-physics", "a verdict file opens the way to servos, so it needs the physics playback"
+            )
         trajectory = load_trajectory(self.trajectory)
         robot = load_robot(trajectory.robot)
         motion = None if self.motion is None else load_motion(self.motion)

@@ -3,6 +3,7 @@
 import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import matplotlib.image
 import numpy as np
@@ -165,3 +166,9 @@ def test_tiny_meshes_stay():
     faces = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
     vertices, kept = render.merge_vertices(corners, faces, 0.01)
     assert vertices is corners and kept is faces
+
+
+def test_no_verdict_file_without_physics(tmp_path: Path) -> None:
+    with pytest.raises(InvalidOption, match="--no-physics"):
+        Validate(trajectory=tmp_path / "t.npz", physics=False, out=tmp_path / "out").run()
+    assert not (tmp_path / "out").exists()
