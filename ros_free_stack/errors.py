@@ -1,7 +1,7 @@
 """Every error that a user can meet, each with one line that says what was wrong and what is valid.
 
 The command line prints `error: <message>` and ends with the class's `exit_code`:
-2 bad input or usage, 3 infeasible motion, 4 hardware fault.
+2 bad input or usage, 4 hardware fault. (3, an infeasible motion, is a result and not an error.)
 """
 
 from collections.abc import Iterable
@@ -81,12 +81,6 @@ class ModelMismatch(StackError):
 
 class NoWeights(StackError):
     """Trained weights are missing or belong to another configuration."""
-
-
-class InfeasibleMotion(StackError):
-    """No candidate motion passed its checks; the report says why."""
-
-    exit_code = 3
 
 
 class HardwareFault(StackError):
