@@ -75,6 +75,25 @@ class DurationsConfig:
 
 
 @dataclass(frozen=True)
+class EvaluatorConfig:
+    """Motion and text encoders of the evaluator (T2M).
+
+    Attributes:
+        movement: channels of the convolutions, which go down by four.
+        motion, text: width of the recurrent layers of each side.
+        embedding: width of the space that both sides share.
+        words: longest text that is read, in word pieces.
+    """
+
+    movement: int
+    motion: int
+    text: int
+    embedding: int
+    words: int = 80
+    dropout: float = 0.1
+
+
+@dataclass(frozen=True)
 class Training:
     """How a model is trained.
 
@@ -109,6 +128,8 @@ class Preset:
     residual_training: Training
     durations: DurationsConfig
     durations_training: Training
+    evaluator: EvaluatorConfig
+    evaluator_training: Training
 
 
 @dataclass(frozen=True)
@@ -132,12 +153,12 @@ class Sampling:
     duration_spread: float = 0.3
 
 
-_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=4)
+_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=6)
 _FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
 
 PRESETS: dict[str, Preset] = {
     "small": Preset(
-        tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=64, quantizers=4),
+        tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=128, quantizers=6, quantizer_dropout=0.4),
         tokenizer_training=Training(48, 10_000, 1e-3, ema=0.0, weight_decay=0.0),
         mask=_SMALL_MASK,
         mask_training=Training(64, 20_000, 1e-3, alignment_weight=0.1),
@@ -145,6 +166,8 @@ PRESETS: dict[str, Preset] = {
         residual_training=Training(64, 8_000, 1e-3),
         durations=DurationsConfig(128),
         durations_training=Training(256, 3_000, 1e-3, ema=0.99),
+        evaluator=EvaluatorConfig(192, 192, 192, 128),
+        evaluator_training=Training(128, 2_000, 1e-3, ema=0.99),
     ),
     "full": Preset(
         tokenizer=TokenizerConfig("strided", 512, 3, 3, codes=512, code_width=512, quantizers=6),
@@ -155,6 +178,8 @@ PRESETS: dict[str, Preset] = {
         residual_training=Training(64, 300_000, 2e-4, warm_up=2000),
         durations=DurationsConfig(256),
         durations_training=Training(256, 10_000, 1e-3, ema=0.99),
+        evaluator=EvaluatorConfig(512, 1024, 512, 512),
+        evaluator_training=Training(256, 20_000, 2e-4, warm_up=500),
     ),
 }
 

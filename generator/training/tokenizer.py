@@ -11,17 +11,21 @@ from torch.nn import functional
 
 from generator.config import TOKEN_FRAMES, TokenizerConfig, Training
 from generator.data.dataset import Clip, MotionDataset
-from generator.data.features import CHANNELS
+from generator.data.features import CHANNELS, HUMANML3D
 from generator.models.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption
 
 ROOT, YAW, HEIGHT = slice(0, 3), slice(0, 1), slice(3, 4)
 POSITIONS, ROTATIONS, VELOCITIES = slice(4, 67), slice(67, 193), slice(193, 259)
 
+CONTACTS = slice(259, 263)
+FEET = [4 + 3 * (joint - 1) + axis for joint in HUMANML3D.feet for axis in range(3)]
+
 VALIDATION_CLIPS = 200
 BATCH_CLIPS = 64
 
-VELOCITY_WEIGHT, JOINT_WEIGHT, DRIFT_WEIGHT, COMMITMENT_WEIGHT = 0.5, 2.0, 0.5, 0.02
+VELOCITY_WEIGHT, JOINT_WEIGHT, DRIFT_WEIGHT, FEET_WEIGHT, COMMITMENT_WEIGHT = 0.5, 3.0, 0.5, 3.0, 0.02
+PLANTED = 4.0  # how much more a planted foot's slip counts than a swinging one's
 
 
 def channel_weights() -> Tensor:
@@ -32,16 +36,17 @@ def channel_weights() -> Tensor:
     """
     weights = torch.ones(len(CHANNELS))
     weights[ROOT], weights[HEIGHT] = 4.0, 2.0
-    weights[ROTATIONS], weights[VELOCITIES] = 0.15, 0.25
+    weights[ROTATIONS], weights[VELOCITIES] = 0.1, 0.15
     return weights / weights.mean()
 
 
-def reconstruction_losses(found: Tensor, target: Tensor, std: Tensor) -> dict[str, Tensor]:
+def reconstruction_losses(found: Tensor, target: Tensor, mean: Tensor, std: Tensor) -> dict[str, Tensor]:
     """Losses between standardised features (B, T, 263).
 
     "features" and "velocity": smooth L1 of values and of their differences in time (MoMask); "joints": mean distance
     of joint positions in m; "drift": error of root yaw (rad) and path (m) summed up over time, which catches the
-    small steady errors that add up to a wrong heading.
+    small steady errors that add up to a wrong heading; "feet": error of the feet's steps over the ground in m a
+    frame, planted ones above all, because root and pose may each be nearly right and the feet skate all the same.
     """
     weights = channel_weights().to(found.device)
     features = (functional.smooth_l1_loss(found, target, reduction="none") * weights).mean()
@@ -49,8 +54,32 @@ def reconstruction_losses(found: Tensor, target: Tensor, std: Tensor) -> dict[st
     error = (found - target) * std
     joints = (error[..., POSITIONS].unflatten(-1, (-1, 3)).square().sum(-1) + 1e-8).sqrt().mean()
     drift = error[..., ROOT].cumsum(1).abs().mean()
-    total = features + VELOCITY_WEIGHT * velocity.mean() + JOINT_WEIGHT * joints + DRIFT_WEIGHT * drift
-    return {"loss": total, "features": features, "joints": joints, "drift": drift}
+    feet = _feet_error(found * std + mean, target * std + mean)
+    total = (
+        features + VELOCITY_WEIGHT * velocity.mean() + JOINT_WEIGHT * joints + DRIFT_WEIGHT * drift + FEET_WEIGHT * feet
+    )
+    return {"loss": total, "features": features, "joints": joints, "drift": drift, "feet": feet}
+
+
+def foot_steps(features: Tensor) -> Tensor:
+    """How the four foot joints move over the ground: (B, T, 263) in their own units to (B, T - 1, 4, 3) in m a frame.
+
+    The root's step and the change of the joint's place around the root add up, as `features.decode` integrates them;
+    the axes are left, up and forward of the later frame.
+    """
+    places = features[..., FEET].unflatten(-1, (-1, 3))
+    turn = 2 * features[:, :-1, :1]  # the feature is half the yaw, backwards
+    left, up, forward = places[:, :-1].unbind(-1)
+    before = torch.stack(
+        [turn.cos() * left + turn.sin() * forward, up, turn.cos() * forward - turn.sin() * left], dim=-1
+    )
+    root = functional.pad(features[:, :-1, None, 1:3], (0, 1))[..., (0, 2, 1)]
+    return root + places[:, 1:] - before
+
+
+def _feet_error(found: Tensor, target: Tensor) -> Tensor:
+    error = (foot_steps(found) - foot_steps(target)).square().sum(-1).add(1e-8).sqrt()
+    return (error * (1 + PLANTED * target[:, :-1, CONTACTS])).mean()
 
 
 class TokenizerObjective:
@@ -77,7 +106,7 @@ class TokenizerObjective:
     def loss(self, iteration: int) -> dict[str, Tensor]:
         target = self.model.standardise(self._windows(iteration).to(self.model.mean.device))
         found = self.model(target)
-        losses = reconstruction_losses(found.features, target, self.model.std)
+        losses = reconstruction_losses(found.features, target, self.model.mean, self.model.std)
         losses["loss"] = losses["loss"] + COMMITMENT_WEIGHT * found.commitment
         return {**losses, "commitment": found.commitment}
 
@@ -86,7 +115,7 @@ class TokenizerObjective:
         assert isinstance(model, MotionTokenizer)
         sums: dict[str, float] = {}
         for target, found in reconstructions(model, self._dataset, self._held):
-            losses = reconstruction_losses(model.standardise(found), model.standardise(target), model.std)
+            losses = reconstruction_losses(model.standardise(found), model.standardise(target), model.mean, model.std)
             for name, value in losses.items():
                 sums[name] = sums.get(name, 0.0) + float(value) * len(target) / len(self._held)
         errors = channel_errors(model, self._dataset, self._held)

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import torch
 
 from generator.config import FEATURES, PRESETS, TokenizerConfig
-from generator.data.features import CHANNELS
+from generator.data.features import CHANNELS, HUMANML3D, decode
 from generator.models.tokenizer import MotionTokenizer
-from generator.training.tokenizer import ROOT, YAW, channel_weights, reconstruction_losses
+from generator.training.tokenizer import ROOT, YAW, channel_weights, foot_steps, reconstruction_losses
 
 SMALL = replace(PRESETS["small"].tokenizer, width=16, code_width=8, codes=32)
 STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3)
@@ -19,7 +20,7 @@ STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3)
 def test_every_length_makes_whole_tokens(config: TokenizerConfig, frames: int) -> None:
     tokenizer = MotionTokenizer(config).eval()
     tokens = tokenizer.encode(torch.randn(2, frames, FEATURES))
-    assert tokens.shape == (4, 2, frames // 4)
+    assert tokens.shape == (SMALL.quantizers, 2, frames // 4)
     assert tokenizer.decode(tokens).shape == (2, frames // 4 * 4, FEATURES)
     assert tokenizer.decode(tokens[:1]).shape == (2, frames // 4 * 4, FEATURES)
 
@@ -70,21 +71,41 @@ def test_root_channels_weigh_most() -> None:
 
 def test_steady_root_errors_add_up_in_the_drift() -> None:
     """The same error costs more when it always has the same sign."""
-    target, std = torch.zeros(1, 64, FEATURES), torch.ones(FEATURES)
+    target, mean, std = torch.zeros(1, 64, FEATURES), torch.zeros(FEATURES), torch.ones(FEATURES)
     steady, alternating = target.clone(), target.clone()
     steady[..., YAW] = 0.1
     alternating[:, ::2, YAW], alternating[:, 1::2, YAW] = 0.1, -0.1
-    steady_loss = reconstruction_losses(steady, target, std)
-    alternating_loss = reconstruction_losses(alternating, target, std)
+    steady_loss = reconstruction_losses(steady, target, mean, std)
+    alternating_loss = reconstruction_losses(alternating, target, mean, std)
     assert float(steady_loss["features"]) == pytest.approx(float(alternating_loss["features"]))
     assert float(steady_loss["drift"]) > 10 * float(alternating_loss["drift"])
 
 
+def test_foot_steps_are_those_of_the_decoded_motion() -> None:
+    rng = np.random.default_rng(3)
+    features = rng.normal(scale=0.2, size=(30, FEATURES))
+    steps = np.diff(decode(features)[:, list(HUMANML3D.feet)], axis=0)
+    found = foot_steps(torch.from_numpy(features)[None])[0]
+    np.testing.assert_allclose(found.norm(dim=-1), np.linalg.norm(steps, axis=-1), atol=1e-12)
+
+
+def test_a_slipping_planted_foot_costs_more_than_a_swinging_one() -> None:
+    mean, std = torch.zeros(FEATURES), torch.ones(FEATURES)
+    swinging = torch.zeros(1, 8, FEATURES)
+    planted = swinging.clone()
+    planted[..., -4:] = 1.0
+    slip = torch.zeros(FEATURES)
+    slip[1] = 0.01  # the root drifts sideways under a pose that does not change
+    losses = [reconstruction_losses(target + slip, target, mean, std)["feet"] for target in (swinging, planted)]
+    assert float(losses[0]) == pytest.approx(0.01, rel=1e-3)
+    assert float(losses[1]) > 3 * float(losses[0])
+
+
 def test_joint_loss_is_in_metres() -> None:
-    target, std = torch.zeros(1, 8, FEATURES), torch.full((FEATURES,), 0.5)
+    target, mean, std = torch.zeros(1, 8, FEATURES), torch.zeros(FEATURES), torch.full((FEATURES,), 0.5)
     found = target.clone()
     found[..., 4:67:3] = 0.06  # 3 cm along one axis of every joint
-    assert float(reconstruction_losses(found, target, std)["joints"]) == pytest.approx(0.03, rel=1e-3)
+    assert float(reconstruction_losses(found, target, mean, std)["joints"]) == pytest.approx(0.03, rel=1e-3)
     assert CHANNELS[ROOT] == ("root_yaw_velocity", "root_left_velocity", "root_forward_velocity")
     assert CHANNELS[4].endswith("_position_left")
     assert CHANNELS[67].endswith("_rotation_0")
