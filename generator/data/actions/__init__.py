@@ -2,12 +2,12 @@
 
 from typing import Any, Final
 
-from generator.data.actions import arms, floor, gestures, in_place, jumps, steps, strikes, trunk
+from generator.data.actions import arms, daily, floor, gestures, in_place, jumps, play, steps, strikes, trunk, work
 from generator.data.actions.registry import Action
 from generator.data.scene import Scene
 from ros_free_stack.errors import InvalidOption, UnknownName
 
-_FAMILIES = (arms, gestures, trunk, strikes, floor, steps, in_place, jumps)
+_FAMILIES = (arms, gestures, daily, work, play, trunk, strikes, floor, steps, in_place, jumps)
 ACTIONS: Final[dict[str, Action]] = {
     item.name: item for family in _FAMILIES for item in vars(family).values() if isinstance(item, Action)
 }

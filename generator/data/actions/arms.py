@@ -61,6 +61,35 @@ def raise_arm(
 
 
 @action("arms")
+def lift_arms(
+    scene: Scene,
+    t: float,
+    *,
+    side: AnySide = "both",
+    to: Literal["up", "side", "forward"] = "side",
+    count: Count = 3,
+    speed: Speed = 1.0,
+) -> float:
+    """Move the straight arms up and down, `count` times, overhead, sideways or in front."""
+    beat = scene.vary({"up": 1.35, "side": 1.1, "forward": 1.0}[to]) / speed
+    top = {
+        "up": aim(0.15, 0.25, 0.95, 0.96, 0.4),
+        "side": aim(0.10, 1, 0.10, 0.97),
+        "forward": aim(1, 0.05, 0.10, 0.97),
+    }
+    low = aim(0.25, 0.25, -0.93, 0.96)
+    keys: list[tuple[float, Floats]] = []
+    for i in range(count):
+        now = t + i * beat
+        halfway = [(now + 0.25 * beat, aim(0.60, 0.65, 0.0, 0.94, 0.2))] if to == "up" else []
+        again = [(now + 0.75 * beat, halfway[0][1])] if halfway else []
+        keys += [*halfway, (now + 0.5 * beat, top[to]), *again, (now + beat, low)]
+    for s in sides(side):
+        scene.move(f"arm_{s}", t, *keys[:-1], (t + count * beat + 0.1, scene.rest[s]))
+    return t + count * beat + 0.1
+
+
+@action("arms")
 def clap(
     scene: Scene,
     t: float,

@@ -2,40 +2,17 @@
 
 from typing import Literal
 
-from generator.data.actions.registry import AnySide, Count, Hold, Speed, action, sides
-from generator.data.body import SIDES, SIGN, Floats, Side, hand_at
+from generator.data.actions.hands import around, there_and_back
+from generator.data.actions.registry import AnySide, Count, Hold, Speed, action
+from generator.data.body import SIDES, SIGN, Side, hand_at
 from generator.data.scene import Scene
-
-
-def _to_and_back(
-    scene: Scene, t: float, side: AnySide, place: Floats, *, up: float, hold: float, via: Floats | None = None
-) -> float:
-    """Bring the wrist to a place, stay there and let the arm hang again; the end time."""
-    for s in sides(side):
-        start = [] if via is None else [(t + 0.5 * up, via)]
-        back = [] if via is None else [(t + 1.45 * up + hold, via)]
-        scene.move(f"arm_{s}", t, *start, (t + up, place), (t + up + hold, place), *back)
-        scene.relax(s, t + 2 * up + hold)
-    return t + 2 * up + hold
-
-
-def _to_and_fro(
-    scene: Scene, t: float, side: AnySide, keys: tuple[Floats, Floats], *, count: int, up: float, beat: float
-) -> float:
-    """Raise the wrist to the first place, go `count` times to the second one and back, and relax; the end time."""
-    end = t + up + count * beat
-    for s in sides(side):
-        beats = [(t + up + i / 2 * beat, keys[i % 2]) for i in range(2 * count + 1)]
-        scene.move(f"arm_{s}", t, *beats)
-        scene.relax(s, end + 0.75)
-    return end + 0.75
 
 
 @action("arms")
 def salute(scene: Scene, t: float, *, side: Side = "right", hold: Hold = 0.8, speed: Speed = 1.0) -> float:
     """Bring the flat hand to the brow."""
     via, up = hand_at(0.30, 0.26, -0.05, 0.4), scene.vary(0.6) / speed
-    return _to_and_back(scene, t, side, hand_at(0.12, 0.19, 0.14, -0.6), up=up, hold=hold, via=via)
+    return there_and_back(scene, t, side, hand_at(0.12, 0.19, 0.14, -0.6), up=up, hold=hold, via=via)
 
 
 @action("arms")
@@ -44,7 +21,7 @@ def scratch_head(scene: Scene, t: float, *, side: Side = "right", count: Count =
     scene.move("gaze", t, (t + 0.7, [6 * SIGN[side], 12]), (t + 1.6, [0, 0]))
     keys = hand_at(0.09, 0.15, 0.22, -0.8), hand_at(0.05, 0.15, 0.28, -0.8)
     up, beat = scene.vary(0.9) / speed, scene.vary(0.36) / speed
-    return _to_and_fro(scene, t, side, keys, count=count, up=up, beat=beat)
+    return around(scene, t, side, keys, count=count, up=up, beat=beat)
 
 
 @action("arms")
@@ -54,7 +31,7 @@ def cross_arms(scene: Scene, t: float, *, hold: Hold = 1.5, speed: Speed = 1.0) 
     upper: Side = "left" if scene.rng.random() < 0.5 else "right"
     for s in SIDES:
         place = hand_at(0.25, -0.10, -0.19, -0.1) if s == upper else hand_at(0.21, -0.12, -0.25, -0.1)
-        _to_and_back(scene, t, s, place, up=up, hold=hold, via=hand_at(0.30, 0.16, -0.25))
+        there_and_back(scene, t, s, place, up=up, hold=hold, via=hand_at(0.30, 0.16, -0.25))
     return t + 2 * up + hold
 
 
@@ -62,7 +39,7 @@ def cross_arms(scene: Scene, t: float, *, hold: Hold = 1.5, speed: Speed = 1.0) 
 def hands_on_hips(scene: Scene, t: float, *, hold: Hold = 1.5, speed: Speed = 1.0) -> float:
     """Set both hands on the hips, elbows out."""
     up = scene.vary(0.75) / speed
-    return _to_and_back(scene, t, "both", hand_at(0.04, 0.21, -0.38, 0.35), up=up, hold=hold)
+    return there_and_back(scene, t, "both", hand_at(0.04, 0.21, -0.38, 0.35), up=up, hold=hold)
 
 
 @action("arms")
@@ -85,18 +62,20 @@ def touch(
     t: float,
     *,
     side: AnySide = "right",
-    target: Literal["head", "shoulder", "chest", "hip"] = "head",
+    target: Literal["head", "face", "shoulder", "chest", "stomach", "hip"] = "head",
     hold: Hold = 0.5,
     speed: Speed = 1.0,
 ) -> float:
     """Touch the own body with a hand and let go."""
     place, via = {
         "head": (hand_at(0.06, 0.12, 0.26, -0.9), hand_at(0.28, 0.26, 0.0, -0.2)),
+        "face": (hand_at(0.20, 0.09, 0.06, -0.2), hand_at(0.28, 0.24, -0.10)),
         "shoulder": (hand_at(0.12, 0.16, 0.02, -0.9), None),
         "chest": (hand_at(0.16, 0.05, -0.16, 0.1), None),
+        "stomach": (hand_at(0.18, 0.08, -0.34, 0.1), None),
         "hip": (hand_at(0.06, 0.20, -0.40, -0.1), None),
     }[target]
-    return _to_and_back(scene, t, side, place, up=scene.vary(0.8) / speed, hold=hold, via=via)
+    return there_and_back(scene, t, side, place, up=scene.vary(0.8) / speed, hold=hold, via=via)
 
 
 @action("arms")
@@ -104,7 +83,7 @@ def beckon(scene: Scene, t: float, *, side: Side = "right", count: Count = 3, sp
     """Beckon someone to come: the forearm folds towards the chest."""
     keys = hand_at(0.42, 0.22, -0.10, 0.1), hand_at(0.22, 0.17, -0.02, 0.1)
     up, beat = scene.vary(0.7) / speed, scene.vary(0.62) / speed
-    return _to_and_fro(scene, t, side, keys, count=count, up=up, beat=beat)
+    return around(scene, t, side, keys, count=count, up=up, beat=beat)
 
 
 @action("arms")
@@ -112,7 +91,7 @@ def shake_hand(scene: Scene, t: float, *, side: Side = "right", count: Count = 3
     """Offer a hand and shake another's."""
     keys = hand_at(0.42, 0.10, -0.24), hand_at(0.42, 0.10, -0.34)
     up, beat = scene.vary(0.75) / speed, scene.vary(0.38) / speed
-    return _to_and_fro(scene, t, side, keys, count=count, up=up, beat=beat)
+    return around(scene, t, side, keys, count=count, up=up, beat=beat)
 
 
 @action("arms")

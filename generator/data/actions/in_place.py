@@ -71,3 +71,35 @@ def stomp(scene: Scene, t: float, *, side: Side = "right", count: Count = 1, spe
         scene.move("crouch", high, (down + 0.08, 0.035), (down + 0.4, 0.0))
         t = down + rest
     return stand_evenly(scene, t)
+
+
+@action("legs")
+def bounce(scene: Scene, t: float, *, count: Count = 4, speed: Speed = 1.0) -> float:
+    """Bounce in the knees, `count` times, the feet staying on the floor."""
+    beat = scene.vary(0.52) / speed
+    keys = [(t + (i + 1) * beat / 2, 0.012 if i % 2 else scene.vary(0.075)) for i in range(2 * count)]
+    scene.move("crouch", t, *keys, (t + count * beat + 0.25, 0.0))
+    return t + count * beat + 0.25
+
+
+@action("legs")
+def swing_leg(scene: Scene, t: float, *, side: Side = "right", count: Count = 2, speed: Speed = 1.0) -> float:
+    """Swing a leg forward and back, `count` times, standing on the other one."""
+    t = on_one_leg(scene, t, OTHER[side])
+    home, foot, roll = scene.foot(side), f"foot_{side}", f"roll_{side}"
+    beat = scene.vary(1.15) / speed
+
+    def at(forward: float, up: float) -> list[float]:
+        return [*scene.local(forward, 0.03 * SIGN[side], origin=home), BALL_HEIGHT + up, home[3]]
+
+    front, middle, rear = at(0.42, scene.vary(0.20)), at(0.05, 0.07), at(-0.34, scene.vary(0.18))
+    keys, tips = [], []
+    for i in range(count):
+        now = t + i * beat
+        keys += [(now + 0.3 * beat, front), (now + 0.52 * beat, middle), (now + 0.75 * beat, rear)]
+        keys += [(now + beat, middle)]
+        tips += [(now + 0.3 * beat, -4.0), (now + 0.75 * beat, 48.0)]
+    end = t + count * beat + 0.3
+    scene.move(foot, t, *keys, (end, home))
+    scene.move(roll, t, *[(time, np.radians(a)) for time, a in tips], (end - 0.05, 0.1), (end + 0.1, 0.0))
+    return stand_evenly(scene, end)

@@ -88,6 +88,22 @@ def sway(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> flo
 
 
 @action("trunk")
+def circle_hips(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> float:
+    """Move the hips in level circles over still feet."""
+    beat = scene.vary(1.7) / speed
+    first = 1 if scene.rng.random() < 0.5 else -1
+    offset, spine = [], []
+    for i in range(8 * count):
+        a, now = 2 * np.pi * i / 8, t + 0.4 + i / 8 * beat
+        offset.append((now, [0.045 * np.cos(a), 0.10 * first * np.sin(a)]))
+        spine.append((now, [10 * first * np.sin(a), 8 * np.cos(a), 0]))
+    end = t + 0.8 + count * beat
+    scene.move("offset", t, *offset, (end, [0, 0]))
+    scene.move("spine", t, *spine, (end, _ZERO))
+    return end
+
+
+@action("trunk")
 def look_around(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> float:
     """Look to one side and the other, `count` looks in all."""
     side = 1 if scene.rng.random() < 0.5 else -1

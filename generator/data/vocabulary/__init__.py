@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from generator.data.vocabulary import arms, floor, jumps, steps, strikes, trunk
+from generator.data.vocabulary import arms, daily, floor, in_place, jumps, play, steps, strikes, trunk, work
 from generator.data.vocabulary.english import Phrase
 from generator.data.vocabulary.entry import Draw, Entry, Params, Voice
 from ros_free_stack.errors import UnknownName
@@ -13,7 +13,9 @@ __all__ = ["STILL", "VOCABULARY", "Draw", "Entry", "Params", "Phrase", "Voice", 
 
 STILL = "No significant movement"
 VOCABULARY: dict[str, Entry] = {
-    item.name: item for family in (arms, trunk, strikes, floor, jumps, steps) for item in family.ENTRIES
+    item.name: item
+    for family in (arms, daily, work, play, trunk, strikes, floor, in_place, jumps, steps)
+    for item in family.ENTRIES
 }
 
 

@@ -20,6 +20,13 @@ def _raise(params: Params) -> Slots:
     return {"where": where, "briefly": briefly, "after": lowered if params["lower"] else ("",)}
 
 
+def _lift(params: Params) -> Slots:
+    aside = {"up": ("", "overhead"), "side": ("to the side", "sideways"), "forward": ("in front", "in front")}
+    if params["side"] == "both":
+        aside["side"] = ("to the sides", "out to the sides")
+    return {"where": _raise({**params, "lower": False})["where"], "aside": aside[params["to"]]}
+
+
 def _point(params: Params) -> Slots:
     azimuth, elevation = params["azimuth"], params["elevation"]
     if elevation > 35:
@@ -51,7 +58,7 @@ def _clap(params: Params) -> Slots:
 
 def _touch(params: Params) -> Slots:
     target = params["target"]
-    plain = {"head": "head", "chest": "chest", "shoulder": "shoulder", "hip": "hip"}[params["target"]]
+    plain = target
     if params["side"] == "both" and target in ("shoulder", "hip"):
         plain += "s"
     return {"target": (plain,)}
@@ -100,6 +107,28 @@ ENTRIES = (
         slots=_raise,
         arms="<raise> {arm} {where} {after}",
         weight=3.0,
+    ),
+    Entry(
+        "lift_arms",
+        lambda d: {
+            "side": d.sides(0.55),
+            "to": d.pick("up", "side", "forward", p=(0.4, 0.35, 0.25)),
+            "count": d.count(1, 4),
+            "speed": d.speed(),
+        },
+        (
+            "<move> {arm} up and down {aside} {reps}",
+            "<lift> {arm} up and down {aside} {reps}",
+            "<raise> and <lower> {arm} {aside} {times}",
+            "<lift> and <lower> {arm} {aside} {times}",
+            "<swing> {arm} up and down {aside} {reps}",
+            "<move> {hand} up and down {aside} {reps}",
+            "<lift> {arm} {where} {times}",
+            "<raise> {arm} {where} {times}",
+        ),
+        slots=_lift,
+        arms="<raise> and <lower> {arm}",
+        weight=2.2,
     ),
     Entry(
         "clap",
@@ -322,7 +351,9 @@ ENTRIES = (
         "touch",
         lambda d: {
             "side": d.sides(),
-            "target": d.pick("head", "shoulder", "chest", "hip", p=(0.4, 0.2, 0.2, 0.2)),
+            "target": d.pick(
+                "head", "face", "shoulder", "chest", "stomach", "hip", p=(0.3, 0.15, 0.15, 0.14, 0.13, 0.13)
+            ),
             "speed": d.speed(),
         },
         (

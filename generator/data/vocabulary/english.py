@@ -6,7 +6,8 @@ from dataclasses import dataclass
 _MARK = re.compile(r"<(\w+)>")
 _DOUBLED = frozenset((
     "clap", "flap", "nod", "hop", "jog", "step", "shrug", "squat", "sit", "get", "put", "run", "spin", "stop", "dip",
-    "skip", "wag", "drop", "rub", "grab", "jab",
+    "skip", "wag", "drop", "rub", "grab", "jab", "chop", "swim", "hug", "strum", "drum", "hit", "stir", "scrub", "cut",
+    "tug", "wrap", "slam", "tap", "bob", "begin", "pat", "let", "slap", "strut", "trot", "bat", "spar", "plan",
 ))  # fmt: skip
 _IRREGULAR = {"have": "has"}
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")

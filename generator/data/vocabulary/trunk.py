@@ -108,6 +108,21 @@ ENTRIES = (
         legs="<shift> the weight from side to side",
     ),
     Entry(
+        "circle_hips",
+        lambda d: {"count": d.count(1, 4), "speed": d.speed()},
+        (
+            "<circle> {poss} hips {reps}",
+            "<move> {poss} hips in circles",
+            "<rotate> {poss} hips {reps}",
+            "<move> {poss} hips in a circle {reps}",
+            "<swing> {poss} hips around",
+            "<sway> {poss} hips in a circle",
+            "<do> {some:hip circle}",
+            "<use> a hula hoop",
+        ),
+        legs="<circle> the hips",
+    ),
+    Entry(
         "look_around",
         lambda d: {"count": d.count(2, 3), "speed": d.speed()},
         (
