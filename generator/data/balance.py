@@ -4,8 +4,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from generator.data import body
-from generator.data.body import SIDES, Floats, mirrored, rotate
-from generator.data.pose import Pose, centre_of_mass, joints, trunk_frames
+from generator.data.body import SIDES, Floats, Side
+from generator.data.pose import Leg, Pose, centre_of_mass, place_legs, trunk_frames, upper_body
 
 _GRAVITY = 9.81
 _PENDULUM_HEIGHT = 0.95
@@ -53,21 +53,23 @@ def place_pelvis(
         slack: (T,) share of the leg's length kept bent.
         rate: frames a second.
     """
-    ankles = {s: body.ankle_and_ball(pose[f"foot_{s}"], pose[f"roll_{s}"])[0] for s in SIDES}
-    hips = {s: rotate(trunk_frames(pose)[0], mirrored(body.HIP, s)) for s in SIDES}
+    frames = trunk_frames(pose)
+    legs: dict[Side, Leg] = {side: Leg.of(pose, side, frames[0]) for side in SIDES}
     loaded = {"left": np.clip(3 * weight, 0, 1), "right": np.clip(3 * (1 - weight), 0, 1)}
     length = body.LEG * (0.990 - slack)
     root = np.column_stack([centre, np.full(len(centre), body.STANDING_HEIGHT)])
+    pose["root"] = root
+    places = upper_body(pose, frames)
     for _ in range(4):
         limits = [body.STANDING_HEIGHT + 0.02 + lift]
-        for side in SIDES:
-            hip, ankle = root + hips[side], ankles[side]
-            apart = np.linalg.norm((hip - ankle)[:, :2], axis=-1)
-            reachable = ankle[:, 2] + np.sqrt(np.maximum(length**2 - apart**2, 0.09)) - hips[side][:, 2]
-            free = 0.25 * (1 - loaded[side]) * (ankle[:, 2] > 0.09)  # a lifted foot does not pull the pelvis down
+        for side, leg in legs.items():
+            apart = np.sum((root + leg.hip - leg.ankle)[:, :2] ** 2, -1)
+            reachable = leg.ankle[:, 2] + np.sqrt(np.maximum(length**2 - apart, 0.09)) - leg.hip[:, 2]
+            free = 0.25 * (1 - loaded[side]) * (leg.ankle[:, 2] > 0.09)  # a lifted foot does not pull the pelvis down
             limits.append(reachable + free)
         height = soft_minimum(np.stack(limits)) - crouch
         root[:, 2] = gaussian_filter1d(height, 0.05 * rate, mode="nearest")
-        pose["root"] = root
-        root[:, :2] += centre - centre_of_mass(joints(pose))[:, :2]
+        places += (root - places[:, 0])[:, None]
+        place_legs(legs, places)
+        root[:, :2] += centre - centre_of_mass(places)[:, :2]
         root[:, :2] = gaussian_filter1d(root[:, :2], 0.03 * rate, axis=0, mode="nearest")

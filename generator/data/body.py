@@ -47,7 +47,7 @@ _ARM_UP: Final = np.cross(_ARM_CENTRE, _ARM_OUT)
 
 def unit(v: Floats) -> Floats:
     """`v` along its last axis with length one; zero stays zero."""
-    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9)
+    return v / np.maximum(np.sqrt(np.sum(v * v, -1, keepdims=True)), 1e-9)
 
 
 def mirrored(v: ArrayLike, side: str) -> Floats:
@@ -62,6 +62,16 @@ def yaw_matrix(angle: Floats) -> Floats:
     rotation[:, 1, 0] = np.sin(angle)
     rotation[:, 0, 1] = -rotation[:, 1, 0]
     rotation[:, 2, 2] = 1.0
+    return rotation
+
+
+def pitch_matrix(angle: Floats) -> Floats:
+    """(T, 3, 3) rotations about the left axis."""
+    rotation = np.zeros((len(angle), 3, 3))
+    rotation[:, 0, 0] = rotation[:, 2, 2] = np.cos(angle)
+    rotation[:, 0, 2] = np.sin(angle)
+    rotation[:, 2, 0] = -rotation[:, 0, 2]
+    rotation[:, 1, 1] = 1.0
     return rotation
 
 
@@ -167,7 +177,7 @@ def ankle_and_ball(foot: Floats, roll: Floats) -> tuple[Floats, Floats]:
     A positive roll lifts the heel about the ball, a negative one the ball about the heel.
     """
     yaw = yaw_matrix(foot[:, 3])
-    rolled = yaw @ rotation_matrix(np.multiply.outer(roll, [0.0, 1.0, 0.0]))
+    rolled = yaw @ pitch_matrix(roll)
     heel_to_ball = ANKLE_TO_BALL - ANKLE_TO_HEEL
     on_heel = foot[:, :3] - rotate(yaw, heel_to_ball) + rotate(rolled, heel_to_ball)
     ball = np.where(roll[:, None] >= 0, foot[:, :3], on_heel)

@@ -62,15 +62,24 @@ class Noise:
 
     def __init__(self, rng: np.random.Generator, count: int, rate: float, scale: float) -> None:
         self._rng, self._times, self._rate, self._scale = rng, np.arange(count) / rate, rate, scale
+        self._waves: dict[tuple[float, float], tuple[Floats, Floats]] = {}
 
     def draw(self, *amplitudes: float, band: tuple[float, float] = (0.06, 1.1)) -> Floats:
         """(T, len(amplitudes)) independent channels of the given RMS, power falling with frequency (Hz) in `band`."""
-        frequency = np.geomspace(*band, 9)
+        if band not in self._waves:
+            self._waves[band] = self._band(*band)
+        sines, cosines = self._waves[band]
+        phase = self._rng.uniform(0, 2 * np.pi, (len(amplitudes), 9))
+        waves = sines @ np.cos(phase).T + cosines @ np.sin(phase).T  # the sine of a sum, for all phases at once
+        return waves * (np.asarray(amplitudes) * self._scale)
+
+    def _band(self, low: float, high: float) -> tuple[Floats, Floats]:
+        """(T, 9) sines and cosines of nine frequencies, weighted so that a sum of them has RMS one."""
+        frequency = np.geomspace(low, high, 9)
         weight = frequency**-0.6
         weight /= np.sqrt((weight**2).sum() / 2)
-        phase = self._rng.uniform(0, 2 * np.pi, (len(amplitudes), 9))
-        waves = np.sin(2 * np.pi * self._times[:, None, None] * frequency + phase)
-        return waves @ weight * (np.asarray(amplitudes) * self._scale)
+        angle = np.multiply.outer(2 * np.pi * self._times, frequency)
+        return np.sin(angle) * weight, np.cos(angle) * weight
 
     def tremor(self, values: Floats, *, gain: float | Floats, base: float | Floats) -> Floats:
         """`values` (T, C) plus signal-dependent noise of 1.2 to 6 Hz.

@@ -10,13 +10,14 @@ Because every channel is a plain vector, poses of either origin blend, layer and
 Arm directions live in a frame that follows the chest's yaw but stays upright: arms hang when the trunk bends.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from generator.data import body
-from generator.data.body import SIDES, SIGN, Floats, mirrored, rotate, rotation_matrix, unit, yaw_matrix
+from generator.data.body import SIDES, SIGN, Floats, Side, mirrored, rotate, rotation_matrix, unit, yaw_matrix
 from ros_free_stack.errors import InvalidMessage
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
 
@@ -48,6 +49,18 @@ _SEGMENTS: Final = (
 )
 
 
+def _mass_shares() -> Floats:
+    """(22,) share of each joint in the centre of mass."""
+    shares = np.zeros(JOINT_COUNT)
+    for proximal, distal, mass, along in _SEGMENTS:
+        shares[INDEX[proximal]] += mass * (1 - along)
+        shares[INDEX[distal]] += mass * along
+    return shares / shares.sum()
+
+
+_MASS_SHARES: Final = _mass_shares()
+
+
 def trunk_frames(pose: Pose) -> tuple[Floats, Floats, Floats, Floats]:
     """Rotations (T, 3, 3) of the pelvis and of the three spine joints, which share the spine's bend equally."""
     pelvis = yaw_matrix(pose["heading"] + pose["pelvis"][:, 2]) @ rotation_matrix(pose["pelvis"] * [1.0, 1.0, 0.0])
@@ -62,20 +75,60 @@ def arm_frame(chest: Floats) -> Floats:
     return yaw_matrix(np.arctan2(-chest[:, 0, 1], chest[:, 1, 1]))
 
 
-def knee_pole(pose: Pose, side: str, leg: Floats) -> Floats:
-    """(T, 3) direction into which the knee of a `leg` (T, 3; from hip to ankle) bends at swivel 0.
+@dataclass(frozen=True)
+class Leg:
+    """One leg of a pose, wherever its pelvis is.
 
-    For a leg that hangs down it lies between those of the pelvis and the foot; it swings with the leg.
+    Attributes:
+        hip: (T, 3) from the root, along the world's axes.
+        ankle, ball: (T, 3) where the foot wants them.
+        pole: (T, 3) direction in the pelvis into which the knee of a leg that hangs down bends at swivel 0.
+        swivel: (T,) of the knee about the leg.
+        pelvis: (T, 3, 3) its frame.
     """
-    pelvis = trunk_frames(pose)[0]
+
+    hip: Floats
+    ankle: Floats
+    ball: Floats
+    pole: Floats
+    swivel: Floats
+    pelvis: Floats
+
+    @classmethod
+    def of(cls, pose: Pose, side: str, pelvis: Floats) -> "Leg":
+        ankle, ball = body.ankle_and_ball(pose[f"foot_{side}"], pose[f"roll_{side}"])
+        hip = rotate(pelvis, mirrored(body.HIP, side))
+        return cls(hip, ankle, ball, _knee_pole(pose, side), pose[f"knee_{side}"] * SIGN[side], pelvis)
+
+    def joints(self, root: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Hip, knee, ankle and ball (T, 3) of the leg on a pelvis at `root` (T, 3); out of reach it ends short."""
+        hip = root + self.hip
+        pole = _swung_pole(self.pole, self.ankle - hip, self.pelvis)
+        knee, ankle = body.two_bone(hip, self.ankle, body.THIGH, body.SHANK, pole, self.swivel)
+        return hip, knee, ankle, self.ball + ankle - self.ankle
+
+
+def _knee_pole(pose: Pose, side: str) -> Floats:
+    """(T, 3) in the pelvis: between its front and the foot's."""
     outward = 0.5 * np.sin(pose[f"foot_{side}"][:, 3] - pose["heading"])  # half the foot's; no angle makes it jump
-    pole = rotate(yaw_matrix(outward), mirrored([1.0, 0.08, 0.0], side))
+    return rotate(yaw_matrix(outward), mirrored([1.0, 0.08, 0.0], side))
+
+
+def _swung_pole(pole: Floats, leg: Floats, pelvis: Floats) -> Floats:
+    """(T, 3) in the world: the pole of a hanging leg after it swung to `leg` (T, 3; from hip to ankle)."""
     return rotate(pelvis, body.swung(pole, rotate(np.swapaxes(pelvis, 1, 2), leg)))
 
 
 def joints(pose: Pose) -> Floats:
     """Joint positions (T, 22, 3) of a pose."""
     frames = trunk_frames(pose)
+    out = upper_body(pose, frames)
+    place_legs({side: Leg.of(pose, side, frames[0]) for side in SIDES}, out)
+    return out
+
+
+def upper_body(pose: Pose, frames: tuple[Floats, Floats, Floats, Floats]) -> Floats:
+    """Joint positions (T, 22, 3) with those of the legs left at zero; `frames` are the pose's `trunk_frames`."""
     out = np.zeros((len(pose["root"]), JOINT_COUNT, 3))
     out[:, 0] = pose["root"]
     for parent, child, frame, offset in zip(
@@ -87,8 +140,14 @@ def joints(pose: Pose) -> Floats:
     out[:, INDEX["head"]] = out[:, INDEX["neck"]] + rotate(chest @ rotation_matrix(pose["neck"]), body.HEAD)
     for side in SIDES:
         _arm_joints(pose, side, chest, out)
-        _leg_joints(pose, side, frames[0], out)
     return out
+
+
+def place_legs(legs: dict[Side, Leg], out: Floats) -> None:
+    """Set the legs' joints of `out` (T, 22, 3) so that they hang on its pelvis."""
+    for side, leg in legs.items():
+        for name, place in zip(("hip", "knee", "ankle", "foot"), leg.joints(out[:, 0]), strict=True):
+            out[:, INDEX[f"{side}_{name}"]] = place
 
 
 def _arm_joints(pose: Pose, side: str, chest: Floats, out: Floats) -> None:
@@ -105,22 +164,9 @@ def _arm_joints(pose: Pose, side: str, chest: Floats, out: Floats) -> None:
         out[:, INDEX[f"{side}_{name}"]] = place
 
 
-def _leg_joints(pose: Pose, side: str, pelvis: Floats, out: Floats) -> None:
-    target, ball = body.ankle_and_ball(pose[f"foot_{side}"], pose[f"roll_{side}"])
-    hip = out[:, 0] + rotate(pelvis, mirrored(body.HIP, side))
-    swivel = pose[f"knee_{side}"] * SIGN[side]
-    pole = knee_pole(pose, side, target - hip)
-    knee, ankle = body.two_bone(hip, target, body.THIGH, body.SHANK, pole, swivel)
-    for name, place in (("hip", hip), ("knee", knee), ("ankle", ankle), ("foot", ball + ankle - target)):
-        out[:, INDEX[f"{side}_{name}"]] = place
-
-
 def centre_of_mass(joints: Floats) -> Floats:
     """(T, 3) centre of mass of joints (T, 22, 3), from the segments' shares of the body's mass."""
-    weighted = sum(
-        mass * ((1 - share) * joints[:, INDEX[a]] + share * joints[:, INDEX[b]]) for a, b, mass, share in _SEGMENTS
-    )
-    return np.asarray(weighted) / sum(mass for *_, mass, _ in _SEGMENTS)
+    return np.einsum("j,tjk->tk", _MASS_SHARES, joints)
 
 
 def mirror(pose: Pose) -> Pose:
@@ -221,7 +267,8 @@ def _fit_leg(places: dict[str, Floats], pose: Pose, side: str) -> None:
     foot[:, :3] = ankle - body.ankle_and_ball(foot, roll)[0]
     foot[:, 2] -= np.percentile(foot[:, 2], 3) - body.BALL_HEIGHT
     pose[f"foot_{side}"], pose[f"roll_{side}"] = foot, roll
-    ahead, aside = body.bend(hip, knee, ankle, knee_pole(pose, side, ankle - hip))
+    pole = _swung_pole(_knee_pole(pose, side), ankle - hip, trunk_frames(pose)[0])
+    ahead, aside = body.bend(hip, knee, ankle, pole)
     pose[f"knee_{side}"] = np.arctan2(aside, np.maximum(ahead, 0.0) + _STRAIGHT) * SIGN[side]  # knees bend one way
 
 

@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 from generator.data import balance, body
 from generator.data.body import ARM, SIDES, SIGN, Floats, rotate, rotation_matrix
 from generator.data.liveliness import Noise, Performer, pendulum
-from generator.data.pose import CHANNELS, Pose, arm_frame, joints, trunk_frames
+from generator.data.pose import CHANNELS, Pose, arm_frame, trunk_frames, upper_body
 from generator.data.tracks import Track
 from ros_free_stack.skeleton import FPS, INDEX
 
@@ -183,7 +183,7 @@ class Solver:
 
     def _loose_arms(self) -> None:
         """Free arms are damped pendulums under the accelerated shoulders."""
-        places = joints(self.pose)
+        places = upper_body(self.pose, trunk_frames(self.pose))
         shoulders = 0.5 * (places[:, INDEX["left_shoulder"]] + places[:, INDEX["right_shoulder"]])
         acceleration = np.gradient(np.gradient(_smooth(shoulders, 0.04), axis=0), axis=0)[:, :2] * _RATE**2
         yaw = _smooth(self.pose["heading"] + self.pose["spine"][:, 2] + self.pose["pelvis"][:, 2], 0.04)
@@ -208,7 +208,8 @@ class Solver:
         pin = self._sample(f"pin_{side}")
         if pin[:, 3].max() <= 0:
             return
-        places, frame = joints(self.pose), arm_frame(trunk_frames(self.pose)[3])
+        frames = trunk_frames(self.pose)
+        places, frame = upper_body(self.pose, frames), arm_frame(frames[3])
         shoulder, wrist = places[:, INDEX[f"{side}_shoulder"]], places[:, INDEX[f"{side}_wrist"]]
         offset = wrist + np.clip(pin[:, 3:], 0, 1) * (pin[:, :3] - wrist) - shoulder
         arm = self.pose[f"arm_{side}"]
