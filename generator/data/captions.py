@@ -5,27 +5,35 @@ command ("wave, then bow"), or in several sentences; the segment texts always sa
 the third person of what that caption said.
 """
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from generator.data.vocabulary import Phrase, Voice
-from generator.data.vocabulary.english import tidy
+from generator.data.vocabulary.english import number, tidy
 
 _SUBJECTS = (
-    ("a person", "he", ("the", "their", "his"), 0.46),
-    ("the person", "he", ("the", "their", "his"), 0.12),
-    ("someone", "they", ("the", "their"), 0.08),
-    ("a man", "he", ("his", "the"), 0.12),
+    ("a person", "he", ("the", "their", "his"), 0.42),
+    ("the person", "he", ("the", "their", "his"), 0.11),
+    ("this person", "he", ("the", "their", "his"), 0.02),
+    ("someone", "they", ("the", "their"), 0.07),
+    ("a man", "he", ("his", "the"), 0.11),
     ("the man", "he", ("his", "the"), 0.04),
     ("a woman", "she", ("her", "the"), 0.05),
-    ("a figure", "it", ("the", "its"), 0.04),
+    ("a figure", "it", ("the", "its"), 0.03),
+    ("the figure", "it", ("the", "its"), 0.03),
     ("person", "he", ("the", "their"), 0.05),
-    ("he", "he", ("his", "the"), 0.02),
+    ("he", "he", ("his", "the"), 0.03),
     ("she", "she", ("her", "the"), 0.02),
     ("", "", ("the",), 0.08),  # a command: "wave with the right hand"
 )
-_PROGRESSIVE = 0.06
+_PROGRESSIVE = 0.12
+_BARE = 0.04  # "person waving"
+_TOGETHER = " at the same time"
+_TIMES = re.compile(r"\b(two|\d+) times\b")
+_POSSESSIVE = re.compile(r"\b(?:their|his|her|its)\b")
+_DETERMINED = re.compile(rf"\b(both|all|the) {_POSSESSIVE.pattern}")
 _LINKS = (" then ", ", then ", " and then ", ", and then ", " and ", ", ")
 
 
@@ -51,12 +59,22 @@ def together(legs: Phrase, arms: Phrase, rng: np.random.Generator) -> Phrase:
         return Phrase(f"{arms.marked} while {legs.gerund}")
     if form < 0.85 or " and " in legs.marked + arms.marked:
         return Phrase(f"{legs.marked} while {arms.gerund}")
-    return Phrase(f"{legs.marked} and {arms.marked} at the same time")
+    return Phrase(f"{legs.marked} and {arms.marked}{_TOGETHER}")
 
 
 def segment_text(phrase: Phrase) -> str:
-    """`a person waves with the right hand`"""
-    return f"a person {phrase.third}"
+    """`a person waves with the right hand`, whatever the caption's possessive and way to count or to join were.
+
+    `<wave> his hand two times` -> `a person waves the hand twice`
+    """
+    marked = phrase.marked
+    if marked.endswith(_TOGETHER):
+        first, second = (Phrase(part) for part in marked.removesuffix(_TOGETHER).split(" and ", 1))
+        text = f"{first.third} while {second.gerund}"
+    else:
+        text = phrase.third
+    text = _TIMES.sub(lambda found: "twice" if found[1] in ("two", "2") else f"{number(int(found[1]))} times", text)
+    return "a person " + _POSSESSIVE.sub("the", _DETERMINED.sub(r"\1", text))
 
 
 def compose_caption(phrases: tuple[Phrase, ...], voice: Voice, rng: np.random.Generator) -> Caption:
@@ -85,12 +103,18 @@ def _sentence(phrases: tuple[Phrase, ...], voice: Voice, rng: np.random.Generato
     if rng.random() < 0.12:
         return _several_sentences(phrases, voice, rng)
     first = "first " if rng.random() < 0.05 else ""
-    return f"{first}{voice.subject} " + _chain([phrase.third for phrase in phrases], rng)
+    words = [phrase.third for phrase in phrases]
+    if rng.random() < _PROGRESSIVE:
+        words[0] = f"is {phrases[0].gerund}"
+    return f"{first}{voice.subject} " + _chain(words, rng)
 
 
 def _single(phrase: Phrase, voice: Voice, rng: np.random.Generator) -> str:
-    if rng.random() < _PROGRESSIVE:
+    form = rng.random()
+    if form < _PROGRESSIVE:
         return f"{voice.subject} is {phrase.gerund}"
+    if form < _PROGRESSIVE + _BARE and voice.subject.endswith("person"):
+        return f"{voice.subject} {phrase.gerund}"
     return f"{voice.subject} {phrase.third}"
 
 

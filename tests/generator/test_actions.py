@@ -103,7 +103,7 @@ CATALOGUE = [
     "play_drums",
     "play_piano",
     "conduct",
-    "dribble",
+    "bounce_ball",
     "catch",
     "swim",
     "guard",

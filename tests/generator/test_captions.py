@@ -58,3 +58,22 @@ def test_they_takes_the_plain_verb() -> None:
 def test_at_least_six_subjects() -> None:
     rng = np.random.default_rng(0)
     assert len({draw_voice(rng).subject for _ in range(500)}) >= 6
+
+
+def test_segment_texts_speak_impersonally_and_count_in_one_way() -> None:
+    said = {
+        "<wave> {} right hand two times": "a person waves the right hand twice",
+        "<raise> both {} arms 3 times": "a person raises both arms three times",
+        "<touch> {} head with {} left hand": "a person touches the head with the left hand",
+    }
+    for marked, text in said.items():
+        for possessive in ("his", "their", "her", "the"):
+            assert segment_text(Phrase(marked.replace("both {}", "both").replace("{}", possessive))) == text
+    assert segment_text(Phrase("<raise> both his arms")) == "a person raises both arms"
+    assert segment_text(Phrase("<walk> and <wave> his hand at the same time")) == "a person walks while waving the hand"
+
+
+def test_some_captions_are_in_the_progressive() -> None:
+    texts = {text for text, _ in captions(WAVE)} | {text for text, _ in captions(WAVE, BOW)}
+    assert "a person is waving with the right hand" in texts
+    assert "a person is waving with the right hand, then bows" in texts

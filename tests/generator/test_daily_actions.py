@@ -44,7 +44,7 @@ def test_the_named_hand_goes_to_the_head(name: str, side: str) -> None:
 @pytest.mark.parametrize("count", [1, 2, 4])
 @pytest.mark.parametrize(
     ("name", "axis", "sign", "prominence"),
-    [("knock", 0, 1, 0.05), ("hammer", 2, -1, 0.15), ("dribble", 2, -1, 0.08), ("lift_arms", 2, 1, 0.2)],
+    [("knock", 0, 1, 0.05), ("hammer", 2, -1, 0.15), ("bounce_ball", 2, -1, 0.08), ("lift_arms", 2, 1, 0.2)],
 )
 def test_counted_strokes_of_the_named_hand(
     name: str, axis: int, sign: int, prominence: float, side: str, count: int
@@ -54,7 +54,7 @@ def test_counted_strokes_of_the_named_hand(
     busy = sign * height
     found = peaks(busy, prominence)
     # a stroke that starts from a raised hand may show the way up or down as one more
-    assert count <= found <= count + (name in ("knock", "hammer", "dribble"))
+    assert count <= found <= count + (name in ("knock", "hammer", "bounce_ball"))
     still = at(places, f"{OTHER[side]}_wrist") - at(places, f"{OTHER[side]}_shoulder")
     assert np.ptp(still, axis=0).max() < 0.12
 

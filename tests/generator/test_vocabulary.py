@@ -128,3 +128,12 @@ def test_the_catalogue_accepts_every_sampled_parameter() -> None:
             if name == "stand_up":
                 perform(scene, "sit_down")
             assert perform(scene, name, **item.sample(Draw(rng, brief))) > 0
+
+
+@pytest.mark.parametrize("brief", [False, True])
+@pytest.mark.parametrize("name", ["wave", "squat", "clap", "nod", "kick", "punch", "knock", "lift_arms"])
+def test_counts_from_one_to_four_all_occur(name: str, brief: bool) -> None:
+    rng = np.random.default_rng(6)
+    counts = [entry(name).sample(Draw(rng, brief))["count"] for _ in range(600)]
+    assert all(counts.count(n) > 24 for n in (1, 2, 3, 4))
+    assert not brief or np.mean(counts) < 2.5

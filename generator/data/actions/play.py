@@ -68,7 +68,7 @@ def conduct(scene: Scene, t: float, *, count: Count = 3, speed: Speed = 1.0) -> 
 
 
 @action("arms")
-def dribble(scene: Scene, t: float, *, side: Side = "right", count: Count = 4, speed: Speed = 1.0) -> float:
+def bounce_ball(scene: Scene, t: float, *, side: Side = "right", count: Count = 4, speed: Speed = 1.0) -> float:
     """Bounce a ball beside the body: the hand pushes down from the waist."""
     up, beat = scene.vary(0.65) / speed, scene.vary(0.58) / speed
     keys = hand_at(0.32, 0.30, -0.22), hand_at(0.26, 0.30, -0.42)

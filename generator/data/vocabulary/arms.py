@@ -67,7 +67,7 @@ def _touch(params: Params) -> Slots:
 ENTRIES = (
     Entry(
         "wave",
-        lambda d: {"side": d.sides(0.22), "count": d.count(2, 5), "size": d.size(), "speed": d.speed()},
+        lambda d: {"side": d.sides(0.22), "count": d.count(1, 5), "size": d.size(), "speed": d.speed()},
         (
             "<wave> with {hand} {reps}",
             "<wave> {hand} {reps}",
@@ -133,7 +133,7 @@ ENTRIES = (
     Entry(
         "clap",
         lambda d: {
-            "count": d.count(2, 6),
+            "count": d.count(1, 6),
             "size": d.size(),
             "height": d.pick("chest", "head", p=(0.75, 0.25)),
             "speed": d.speed(),
@@ -188,7 +188,7 @@ ENTRIES = (
     ),
     Entry(
         "scratch_head",
-        lambda d: {"side": d.side(), "count": d.count(2, 5), "speed": d.speed()},
+        lambda d: {"side": d.side(), "count": d.count(1, 5), "speed": d.speed()},
         (
             "<scratch> {poss} head with {hand}",
             "<scratch> {poss} head",
@@ -265,7 +265,7 @@ ENTRIES = (
     ),
     Entry(
         "swing_arms",
-        lambda d: {"count": d.count(2, 5), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 5), "speed": d.speed()},
         (
             "<swing> {poss} arms {reps}",
             "<swing> both arms {reps}",
@@ -278,7 +278,7 @@ ENTRIES = (
     ),
     Entry(
         "circle_arms",
-        lambda d: {"side": d.sides(0.5), "count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"side": d.sides(0.5), "count": d.count(1, 4), "speed": d.speed()},
         (
             "<circle> {arm} {reps}",
             "<rotate> {arm} {reps}",
@@ -293,7 +293,7 @@ ENTRIES = (
     ),
     Entry(
         "flap_arms",
-        lambda d: {"count": d.count(2, 6), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 6), "speed": d.speed()},
         (
             "<flap> {poss} arms {reps}",
             "<flap> both arms {reps}",
@@ -322,7 +322,7 @@ ENTRIES = (
     ),
     Entry(
         "wipe",
-        lambda d: {"side": d.side(), "count": d.count(2, 5), "speed": d.speed()},
+        lambda d: {"side": d.side(), "count": d.count(1, 5), "speed": d.speed()},
         (
             "<wipe> something with {hand}",
             "<wipe> a window with {hand} {reps}",
@@ -336,7 +336,7 @@ ENTRIES = (
     ),
     Entry(
         "shrug",
-        lambda d: {"count": d.deeds(2), "speed": d.speed()},
+        lambda d: {"count": d.deeds(3), "speed": d.speed()},
         (
             "<shrug> {times}",
             "<shrug> {poss} shoulders {times}",
@@ -370,7 +370,7 @@ ENTRIES = (
     ),
     Entry(
         "beckon",
-        lambda d: {"side": d.side(), "count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"side": d.side(), "count": d.count(1, 4), "speed": d.speed()},
         (
             "<beckon> with {hand} {reps}",
             "<beckon>",
@@ -387,7 +387,7 @@ ENTRIES = (
         (
             "<shake> hands with {hand}",
             "<shake> hands",
-            "<shake> someone's hand with {hand}",
+            "<shake> hands with someone",
             "<give> a handshake with {hand}",
             "<offer> {hand} for a handshake",
             "<extend> {hand} to shake hands",

@@ -51,14 +51,18 @@ class Draw:
         return self.pick("left", "right", "both", p=((1 - both) / 2, (1 - both) / 2, both))
 
     def count(self, low: int, high: int) -> int:
-        """From low to high, both included."""
-        return int(self.rng.integers(low, (min(high, low + 1) if self.brief else high) + 1))
+        """From low to high, both included; where actions must be brief, rather few."""
+        if not self.brief:
+            return int(self.rng.integers(low, high + 1))
+        highest = min(high, max(4, low + 1))
+        shares = np.array([1 / (1 + n) for n in range(highest - low + 1)])
+        return low + int(self.rng.choice(len(shares), p=shares / shares.sum()))
 
-    def deeds(self, high: int = 3) -> int:
-        """How often a distinct deed is done: mostly once."""
-        if self.brief:
+    def deeds(self, high: int = 4) -> int:
+        """How often a distinct deed is done: mostly once, above all where actions must be brief."""
+        if self.rng.random() < (0.6 if self.brief else 0.4):
             return 1
-        return 1 if self.rng.random() < 0.5 else self.count(2, high)
+        return self.count(2, high)
 
     def hold(self, low: float = 0.2, high: float = 1.2) -> float:
         return self.uniform(low, low + (high - low) * (0.35 if self.brief else 1.0))
@@ -181,14 +185,14 @@ def _counts(params: Params, rng: np.random.Generator) -> dict[str, Any]:
     several = ("several", "a few", "some", "multiple")[int(rng.integers(4))]
     vague = ("several times", "repeatedly", "a few times", "multiple times")[int(rng.integers(4))]
     if count == 1:
-        times = "once" if rng.random() < 0.1 else ""
+        times = "once" if named and rng.random() < 0.3 else ""
     elif not named:
         times = vague
     elif count == 2:
         times = "twice" if rng.random() < 0.7 else "two times"
     else:
         times = f"{number(count) if rng.random() < 0.85 else count} times"
-    return {"times": times, "reps": times if named and count > 1 else "", "some": _Counted(count, named, several)}
+    return {"times": times, "reps": times if named else "", "some": _Counted(count, named, several)}
 
 
 def _sizes(params: Params, rng: np.random.Generator) -> dict[str, str]:

@@ -113,7 +113,7 @@ ENTRIES = (
         weight=0.7,
     ),
     Entry(
-        "dribble",
+        "bounce_ball",
         lambda d: {"side": d.side(), "count": d.count(1, 5), "speed": d.speed()},
         (
             "<dribble> a ball with {hand} {reps}",

@@ -82,7 +82,7 @@ ENTRIES = (
     ),
     Entry(
         "twist",
-        lambda d: {"count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 4), "speed": d.speed()},
         (
             "<twist> {poss} torso left and right",
             "<twist> {poss} upper body from side to side",
@@ -152,7 +152,7 @@ ENTRIES = (
     ),
     Entry(
         "nod",
-        lambda d: {"count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 4), "speed": d.speed()},
         (
             "<nod> {reps}",
             "<nod> {poss} head {reps}",
@@ -164,7 +164,7 @@ ENTRIES = (
     ),
     Entry(
         "shake_head",
-        lambda d: {"count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 4), "speed": d.speed()},
         (
             "<shake> {poss} head",
             "<shake> {poss} head {reps}",
