@@ -142,6 +142,7 @@ class Sampling:
         temperature, residual_temperature: of the token distributions.
         top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
         duration_spread: how much of the predicted spread of durations the seed plays out.
+        foot_lock: hold standing feet still, see `generator.foot_lock`.
     """
 
     steps: int = 10
@@ -151,6 +152,7 @@ class Sampling:
     residual_temperature: float = 0.5
     top_k: float = 0.9
     duration_spread: float = 0.3
+    foot_lock: bool = True
 
 
 _SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=6)

@@ -20,6 +20,7 @@ from generator.config import (
     TransformerConfig,
 )
 from generator.data.features import decode
+from generator.foot_lock import lock_feet
 from generator.models.conditioning import Condition, check_segments, stack_lengths, uniform_lengths
 from generator.models.durations import DurationModel, whole_tokens
 from generator.models.mask_transformer import MaskTransformer
@@ -127,7 +128,9 @@ class MotionGenerator:
             base = self.mask.generate(condition, sampling, noise)
             tokens = self.residual.generate(base, condition, sampling, noise)
             features = self._decode(tokens, condition)
-        return tuple(self._motion(rows, prompt, segments, row) for rows, row in zip(features, lengths, strict=True))
+        return tuple(
+            self._motion(rows, prompt, segments, row, sampling) for rows, row in zip(features, lengths, strict=True)
+        )
 
     def _durations(
         self, texts: torch.Tensor, candidates: int, spread: float, total_s: float | None, noise: torch.Generator
@@ -156,8 +159,12 @@ class MotionGenerator:
             for i, length in enumerate(lengths)
         ]
 
-    def _motion(self, features: np.ndarray, prompt: str, texts: Sequence[str], lengths: np.ndarray) -> HumanMotion:
+    def _motion(
+        self, features: np.ndarray, prompt: str, texts: Sequence[str], lengths: np.ndarray, sampling: Sampling
+    ) -> HumanMotion:
         joints = decode(features)
+        if sampling.foot_lock:
+            joints = lock_feet(joints, features[:, -4:])
         joints[..., 2] -= joints[..., 2].min()
         edges = np.concatenate([[0], np.cumsum(lengths)]) * TOKEN_FRAMES / FPS
         segments = tuple(
