@@ -13,7 +13,9 @@ from ros_free_stack.console import Command
 class Train(Command):
     """Train a model of the generator; interrupt it at will and go on with --resume."""
 
-    stage: Annotated[Literal["tokenizer", "mask", "residual", "durations", "domain", "all"], tyro.conf.Positional]
+    stage: Annotated[
+        Literal["tokenizer", "mask", "residual", "durations", "evaluator", "domain", "all"], tyro.conf.Positional
+    ]
     """Which model; mask needs tokenizer, residual too. `domain` lists the known texts. `all` does all in turn."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""

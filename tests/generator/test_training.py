@@ -13,7 +13,7 @@ import pytest
 import torch
 
 from generator import weights
-from generator.config import PRESETS, DurationsConfig, Preset, TokenizerConfig, TransformerConfig
+from generator.config import PRESETS, DurationsConfig, EvaluatorConfig, Preset, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
 from generator.models.tokenizer import MotionTokenizer
 from generator.training import loop
@@ -36,6 +36,8 @@ TINY = Preset(
     residual_training=replace(_TRAINING, alignment_weight=0.0),
     durations=DurationsConfig(16),
     durations_training=replace(_TRAINING, alignment_weight=0.0),
+    evaluator=EvaluatorConfig(16, 1, 4, 8),
+    evaluator_training=replace(_TRAINING, alignment_weight=0.0),
 )
 
 
@@ -46,7 +48,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
 
 @pytest.fixture(scope="module")
 def trained(dataset: MotionDataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which all four stages were trained, one after the other."""
+    """A folder in which all stages were trained, one after the other."""
     out = tmp_path_factory.mktemp("weights")
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "tiny", TINY)
