@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
     "data build": ("generator.data.cli:DataBuild", "make the training corpus"),
     "data show": ("generator.data.cli:DataShow", "draw one clip of the corpus"),
+    "data coverage": ("generator.data.cli:DataCoverage", "what of real captions the corpus can say"),
     "train": ("generator.cli:Train", "train a model of the generator"),
     "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),
     "robots show": ("ros_free_stack.cli:RobotsShow", "one robot's joints and limits"),

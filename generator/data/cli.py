@@ -1,4 +1,4 @@
-"""The subcommands `data build` and `data show`."""
+"""The subcommands `data build`, `data show` and `data coverage`."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -54,4 +54,35 @@ class DataShow(Command):
         captions = [caption.text for caption in clip.captions]
         segments = [f"{s.start:4d} .. {s.end:4d}  {s.text}  [arms: {s.arms}; legs: {s.legs}]" for s in clip.segments]
         self.report(asdict(clip), *captions, *segments)
+        return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class DataCoverage(Command):
+    """Measure which share of real captions the corpus' vocabulary covers, and what it lacks most."""
+
+    captions: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """JSON file of real captions: {split: {clip: [[caption, start, end], ...]}}."""
+    sample: int = 1000
+    """How many captions to draw."""
+    seed: int = 0
+    """Seed of the draw."""
+
+    def run(self) -> int:
+        from generator.data.coverage import Speech, measure, read_captions, sample_captions
+        from generator.text.splitter import Splitter
+        from ros_free_stack.console import progress
+        from ros_free_stack.errors import InvalidOption
+
+        if self.sample < 1:
+            raise InvalidOption("sample", f"expected at least 1, found {self.sample}")
+        texts = sample_captions(read_captions(self.captions), self.sample, self.seed)
+        found = measure(progress(texts, "splitting captions", len(texts)), Splitter().split, Speech())
+        self.report(
+            asdict(found),
+            f"{found.covered_captions:.1%} of {found.captions} captions covered, "
+            f"{found.covered_segments:.1%} of their {found.segments} segments; {found.unreadable} captions unreadable",
+            "most often not covered:",
+            *(f"{count:6d}  {said}" for said, count in found.uncovered),
+        )
         return 0
