@@ -17,6 +17,10 @@ MIN_TOKENS, MAX_TOKENS = MIN_FRAMES // TOKEN_FRAMES, MAX_FRAMES // TOKEN_FRAMES
 
 Config = TypeVar("Config")
 
+ConditioningKind = Literal["sentence", "segments", "layout"]
+SegmentationKind = Literal["uniform", "change-point", "clustering", "exact"]
+AlignmentKind = Literal["none", "segment", "batch", "global", "token"]
+
 
 @dataclass(frozen=True)
 class TokenizerConfig:
@@ -48,8 +52,10 @@ class TransformerConfig:
     Attributes:
         width, layers, heads, feed_forward, dropout: the usual sizes.
         codes, quantizers: those of the tokenizer it speaks the tokens of.
-        layout: where the segments lie in time, "exact" (labelled boundaries in training, predicted durations in
-            generation) or "uniform" (equal shares, as SegMo does by default).
+        conditioning: what the model reads: "sentence" the pooled sentence alone (MoMask), "segments" the sentence and
+            its ordered segments (SegMo), "layout" at each motion token also its segment's text, number and progress.
+        layout: for conditioning "layout", where the segments lie in time: "exact" (labelled boundaries in training,
+            predicted durations in generation) or "uniform" (equal shares).
         condition_dropout: probability of training without text, for classifier-free guidance.
         sentence_dropout: probability of training without the sentence but with its segments, so that the model
             relies on what each segment says rather than on whole sentences it has seen.
@@ -62,6 +68,7 @@ class TransformerConfig:
     dropout: float
     codes: int
     quantizers: int
+    conditioning: ConditioningKind = "layout"
     layout: Literal["exact", "uniform"] = "exact"
     condition_dropout: float = 0.1
     sentence_dropout: float = 0.2
@@ -76,18 +83,18 @@ class DurationsConfig:
 
 @dataclass(frozen=True)
 class EvaluatorConfig:
-    """Motion and text encoders of the evaluator (T2M).
+    """Motion and text encoders of the evaluator.
 
     Attributes:
-        movement: channels of the convolutions, which go down by four.
-        motion, text: width of the recurrent layers of each side.
+        width, layers, heads: of the transformer of each side.
         embedding: width of the space that both sides share.
         words: longest text that is read, in word pieces.
+        dropout: of what the transformers read.
     """
 
-    movement: int
-    motion: int
-    text: int
+    width: int
+    layers: int
+    heads: int
     embedding: int
     words: int = 80
     dropout: float = 0.1
@@ -100,7 +107,11 @@ class Training:
     Attributes:
         batch, iterations, learning_rate, warm_up: the usual; the rate falls as a cosine to `final_rate` of itself.
         ema: decay of the averaged weights that are evaluated and exported; 0 takes the weights themselves.
-        alignment_weight: weight of the alignment loss (SegMo, equation 9); the mask transformer's only.
+        alignment: which parts of text and motion the mask transformer's alignment loss pairs, see
+            `generator.models.alignment`; "segment" is SegMo's.
+        alignment_weight: weight of that loss (SegMo, equation 9).
+        segmentation: where the alignment takes the motion segments from, see `generator.models.segmentation`;
+            "uniform" is SegMo's.
         window: frames of a training window; the tokenizer's only.
     """
 
@@ -112,7 +123,9 @@ class Training:
     weight_decay: float = 0.01
     clip: float = 1.0
     ema: float = 0.999
-    alignment_weight: float = 0.0
+    alignment: AlignmentKind = "none"
+    alignment_weight: float = 1.0
+    segmentation: SegmentationKind = "exact"
     window: int = 64
 
 
@@ -163,24 +176,24 @@ PRESETS: dict[str, Preset] = {
         tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=128, quantizers=6, quantizer_dropout=0.4),
         tokenizer_training=Training(48, 10_000, 1e-3, ema=0.0, weight_decay=0.0),
         mask=_SMALL_MASK,
-        mask_training=Training(64, 20_000, 1e-3, alignment_weight=0.1),
+        mask_training=Training(64, 20_000, 1e-3, alignment="segment", alignment_weight=0.1),
         residual=replace(_SMALL_MASK, layers=3),
         residual_training=Training(64, 8_000, 1e-3),
         durations=DurationsConfig(128),
         durations_training=Training(256, 3_000, 1e-3, ema=0.99),
-        evaluator=EvaluatorConfig(192, 192, 192, 128),
+        evaluator=EvaluatorConfig(128, 2, 4, 128),
         evaluator_training=Training(128, 2_000, 1e-3, ema=0.99),
     ),
     "full": Preset(
         tokenizer=TokenizerConfig("strided", 512, 3, 3, codes=512, code_width=512, quantizers=6),
         tokenizer_training=Training(256, 100_000, 2e-4, warm_up=2000, ema=0.0, weight_decay=0.0),
         mask=_FULL_MASK,
-        mask_training=Training(64, 300_000, 2e-4, warm_up=2000, alignment_weight=1.0),
+        mask_training=Training(64, 300_000, 2e-4, warm_up=2000, alignment="segment"),
         residual=_FULL_MASK,
         residual_training=Training(64, 300_000, 2e-4, warm_up=2000),
         durations=DurationsConfig(256),
         durations_training=Training(256, 10_000, 1e-3, ema=0.99),
-        evaluator=EvaluatorConfig(512, 1024, 512, 512),
+        evaluator=EvaluatorConfig(512, 4, 8, 512),
         evaluator_training=Training(256, 20_000, 2e-4, warm_up=500),
     ),
 }

@@ -1,8 +1,9 @@
 """What a motion is generated from: the sentence, its segments in order, and how long each segment lasts.
 
-SegMo puts the sentence and the segments before the motion tokens (section 3.2) and leaves it to attention to find out
-which segment a token belongs to. Short segments then get lost. Here each motion token is also told its own segment's
-text, the segment's number, and how far into the segment it is.
+MoMask puts the pooled sentence before the motion tokens ("sentence"). SegMo adds the ordered segments ("segments",
+section 3.2) and leaves it to attention to find out which segment a token belongs to. Short segments then get lost.
+With "layout" each motion token is also told its own segment's text, the segment's number, and how far into the segment
+it is.
 """
 
 import math
@@ -18,7 +19,7 @@ from numpy.typing import ArrayLike
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import MAX_SEGMENTS, TEXT_WIDTH, TOKEN_FRAMES
+from generator.config import MAX_SEGMENTS, TEXT_WIDTH, TOKEN_FRAMES, ConditioningKind
 from generator.text.encoder import Whitener
 from ros_free_stack.errors import InvalidOption
 
@@ -58,9 +59,7 @@ class Condition:
     @cached_property
     def segment_of(self) -> Tensor:
         """(B, T) number of the segment that each token belongs to; that of the last one on padding."""
-        ends = self.lengths.cumsum(1)
-        number = (self._places[..., None] >= ends[:, None]).sum(-1)
-        return torch.minimum(number, self.segment_mask.sum(1, keepdim=True) - 1)
+        return segment_numbers(self.lengths, self.tokens)
 
     @cached_property
     def elapsed(self) -> Tensor:
@@ -88,6 +87,13 @@ class Condition:
 
     def __getitem__(self, rows: Tensor) -> Self:
         return type(self)(self.sentence[rows], self.segments[rows], self.lengths[rows])
+
+
+def segment_numbers(lengths: Tensor, tokens: int) -> Tensor:
+    """(B, T) number of the segment that each token belongs to, from (B, A) lengths; that of the last one on padding."""
+    places = torch.arange(tokens, device=lengths.device)[None, :, None]
+    number = (places >= lengths.cumsum(1)[:, None]).sum(-1)
+    return torch.minimum(number, (lengths > 0).sum(1, keepdim=True) - 1)
 
 
 class WhitenedText(nn.Module):
@@ -118,50 +124,71 @@ class Conditioning:
     Attributes:
         prefix: (B, 1 + A, W) the sentence's token and the segments', to stand before the motion tokens.
         prefix_mask: (B, 1 + A) true where there is such a token.
-        local: (B, T, W) to be added to the motion tokens.
-        segments: (B, A, W) segment tokens before their numbers were added and before any was dropped.
+        local: (B, T, W) to be added to the motion tokens, or a zero.
+        sentence: (B, W) the sentence's token before any was dropped.
+        segments: (B, A, W) segment tokens before their numbers were added and before any was dropped. A is 0 where
+            the model reads the sentence alone.
     """
 
     prefix: Tensor
     prefix_mask: Tensor
     local: Tensor
+    sentence: Tensor
     segments: Tensor
 
 
 class SegmentConditioning(nn.Module):
-    """Conditioning of the mask and residual transformers, of width W."""
+    """Conditioning of the mask and residual transformers, of width W; `reads` is a TransformerConfig.conditioning."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, reads: ConditioningKind) -> None:
         super().__init__()
-        self.white_sentence, self.white_segment = WhitenedText(), WhitenedText()
+        self.reads = reads
+        self.white_sentence = WhitenedText()
         self.sentence = nn.Linear(TEXT_WIDTH, width)
-        self.segment = nn.Linear(TEXT_WIDTH, width)
-        self.local = nn.Linear(TEXT_WIDTH, width)
-        self.prefix_number = nn.Embedding(MAX_SEGMENTS, width)
-        self.local_number = nn.Embedding(MAX_SEGMENTS, width)
-        self.progress = nn.Linear(2 * PROGRESS_WAVES + 6 * len(TOKEN_WAVELENGTHS), width)
-        for table in (self.prefix_number, self.local_number):
-            nn.init.normal_(table.weight, std=0.02)
+        if reads != "sentence":
+            self.white_segment = WhitenedText()
+            self.segment = nn.Linear(TEXT_WIDTH, width)
+            self.prefix_number = _small_table(width)
+        if reads == "layout":
+            self.local = nn.Linear(TEXT_WIDTH, width)
+            self.local_number = _small_table(width)
+            self.progress = nn.Linear(2 * PROGRESS_WAVES + 6 * len(TOKEN_WAVELENGTHS), width)
 
     def fit(self, sentences: np.ndarray, segments: np.ndarray) -> None:
         """Learn the whitening of the training texts, (N, 384) and (M, 384)."""
         self.white_sentence.fit(sentences)
-        self.white_segment.fit(segments)
+        if self.reads != "sentence":
+            self.white_segment.fit(segments)
 
     def forward(self, condition: Condition, keep_sentence: Tensor, keep_text: Tensor) -> Conditioning:
         """Condition of B motions; where `keep_text` (B,) is false no text is seen, where `keep_sentence` (B,) is
         false the sentence is not. The layout in time is always seen, so that guidance acts on the words."""
+        sentence = self.sentence(self.white_sentence(condition.sentence))
+        prefix = (sentence * (keep_sentence & keep_text)[:, None])[:, None]
+        nothing = sentence.new_zeros(1, 1, 1)
+        if self.reads == "sentence":
+            return Conditioning(prefix, condition.segment_mask[:, :1], nothing, sentence, sentence[:, None][:, :0])
         white = self.white_segment(condition.segments)
-        sentence = self.sentence(self.white_sentence(condition.sentence))[:, None]
         segments = self.segment(white)
         numbered = segments + self.prefix_number.weight[: segments.shape[1]]
         keep = keep_text[:, None, None].to(segments.dtype)
-        prefix = torch.cat([sentence * (keep_sentence & keep_text)[:, None, None], numbered * keep], dim=1)
+        prefix = torch.cat([prefix, numbered * keep], dim=1)
         prefix_mask = functional.pad(condition.segment_mask, (1, 0), value=True)
+        local = self._local(white, keep, condition) if self.reads == "layout" else nothing
+        return Conditioning(prefix, prefix_mask, local, sentence, segments)
+
+    def _local(self, white: Tensor, keep: Tensor, condition: Condition) -> Tensor:
+        """(B, T, W) what each token is told of its own segment, from the segments' whitened texts (B, A, 384)."""
         number = condition.segment_of
-        own_text = (self.local(white) * keep).gather(1, number[..., None].expand(-1, -1, segments.shape[-1]))
-        local = own_text + self.local_number(number) + self.progress(_progress(condition))
-        return Conditioning(prefix, prefix_mask, local, segments)
+        texts = self.local(white) * keep
+        own_text = texts.gather(1, number[..., None].expand(-1, -1, texts.shape[-1]))
+        return own_text + self.local_number(number) + self.progress(_progress(condition))
+
+
+def _small_table(width: int) -> nn.Embedding:
+    table = nn.Embedding(MAX_SEGMENTS, width)
+    nn.init.normal_(table.weight, std=0.02)
+    return table
 
 
 def _progress(condition: Condition) -> Tensor:

@@ -21,11 +21,12 @@ class MaskOutput:
     Attributes:
         logits: (B, T, K) of the codes.
         hidden: (B, T, W) motion tokens of the last layer.
-        segments: (B, A, W) segment tokens.
+        sentence, segments: (B, W), (B, A, W) text tokens; A is 0 where the model reads the sentence alone.
     """
 
     logits: Tensor
     hidden: Tensor
+    sentence: Tensor
     segments: Tensor
 
 
@@ -38,7 +39,7 @@ class MaskTransformer(nn.Module):
         width = config.width
         self.embedding = nn.Embedding(config.codes + 1, width)
         self.position = nn.Parameter(0.02 * torch.randn(MAX_TOKENS, width))
-        self.conditioning = SegmentConditioning(width)
+        self.conditioning = SegmentConditioning(width, config.conditioning)
         self.transformer = Transformer(
             width=width,
             layers=config.layers,
@@ -60,7 +61,7 @@ class MaskTransformer(nn.Module):
         motion = self.embedding(tokens) + self.position[: tokens.shape[1]] + given.local
         mask = torch.cat([given.prefix_mask, condition.token_mask], dim=1)
         hidden = self.transformer(torch.cat([given.prefix, motion], dim=1), mask)[:, given.prefix.shape[1] :]
-        return MaskOutput(self.output(hidden), hidden, given.segments)
+        return MaskOutput(self.output(hidden), hidden, given.sentence, given.segments)
 
     @torch.inference_mode()
     def generate(self, condition: Condition, sampling: Sampling, generator: torch.Generator) -> Tensor:

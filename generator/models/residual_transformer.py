@@ -23,7 +23,7 @@ class ResidualTransformer(nn.Module):
         self.bias = nn.Parameter(torch.zeros(layers, codes))
         self.layer = nn.Embedding(layers, width)
         self.position = nn.Parameter(0.02 * torch.randn(MAX_TOKENS, width))
-        self.conditioning = SegmentConditioning(width)
+        self.conditioning = SegmentConditioning(width, config.conditioning)
         self.transformer = Transformer(
             width=width,
             layers=config.layers,

@@ -10,10 +10,11 @@ import torch
 from torch import Tensor, nn
 
 from generator import weights
-from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, TokenizerConfig
+from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, SegmentationKind, TokenizerConfig
 from generator.data.dataset import Clip, MotionDataset
-from generator.models.conditioning import Condition, segment_lengths, stack_lengths, uniform_lengths
+from generator.models.conditioning import Condition
 from generator.models.tokenizer import MotionTokenizer
+from generator.training.segmentation_table import segmentation_table
 from generator.training.text_cache import TextTable, text_table
 from generator.training.tokenizer import batches_of_equal_length, feature_batch
 from ros_free_stack.console import progress
@@ -27,14 +28,14 @@ class TokenClip:
     """One clip as the transformers see it.
 
     Attributes:
+        number: its place among all clips of the data set.
         tokens: (Q, n) int16.
-        spans: (start, end) frames of its segments.
         sentences: (C,) rows of its captions in the table of sentences.
         segments: (C, A) rows of each caption's segment texts in the table of segments.
     """
 
+    number: int
     tokens: np.ndarray
-    spans: tuple[tuple[int, int], ...]
     weight: float
     sentences: np.ndarray
     segments: np.ndarray
@@ -42,10 +43,17 @@ class TokenClip:
 
 @dataclass(frozen=True)
 class TokenBatch:
-    """Tokens (Q, B, T), zero on padding, and what they are conditioned on."""
+    """A batch for the transformers.
+
+    Attributes:
+        tokens: (Q, B, T), zero on padding.
+        condition: what they are conditioned on.
+        motion_segments: (B, A) tokens of the motion segments that texts are aligned with.
+    """
 
     tokens: Tensor
     condition: Condition
+    motion_segments: Tensor
 
 
 @dataclass(frozen=True)
@@ -53,12 +61,15 @@ class TokenCorpus:
     """The tokenised data set in memory.
 
     Attributes:
+        dataset: the data set itself.
         sentences, segments: embeddings of all captions and of all segment texts.
         tokenizer: digest of the tokenizer's weights.
     """
 
+    dataset: MotionDataset
     train: tuple[TokenClip, ...]
     held: tuple[TokenClip, ...]
+    test: tuple[TokenClip, ...]
     sentences: TextTable
     segments: TextTable
     tokenizer: str
@@ -75,6 +86,7 @@ class TokenCorpus:
         tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig))
         saved.fill(tokenizer)
         tokenizer.to(device).eval()
+        place = {clip.id: number for number, clip in enumerate(dataset.clips)}
         captions = [caption for clip in dataset.clips for caption in clip.captions]
         sentences = text_table(dataset.path, (caption.text for caption in captions))
         segments = text_table(dataset.path, (text for caption in captions for text in caption.segments))
@@ -86,8 +98,8 @@ class TokenCorpus:
             tokens = _tokenise(tokenizer, dataset, chosen)
             return tuple(
                 TokenClip(
+                    place[clip.id],
                     codes,
-                    tuple((segment.start, segment.end) for segment in clip.segments),
                     clip.weight,
                     sentences.rows(caption.text for caption in clip.captions),
                     np.stack([segments.rows(caption.segments) for caption in clip.captions]),
@@ -95,7 +107,7 @@ class TokenCorpus:
                 for clip, codes in zip(chosen, tokens, strict=True)
             )
 
-        return cls(clips("train"), clips("val"), sentences, segments, saved.digest)
+        return cls(dataset, clips("train"), clips("val"), clips("test"), sentences, segments, saved.digest)
 
     def training_texts(self) -> tuple[np.ndarray, np.ndarray]:
         """Embeddings (N, 384) of the captions and (M, 384) of the segment texts, once for each training clip's use."""
@@ -115,11 +127,16 @@ class TokenBatches:
     """Training batches as a function of the iteration, and fixed validation batches.
 
     Args:
-        layout: "exact" takes the labelled boundaries of the segments, "uniform" equal shares.
+        layout: segmentation that the models are told, "exact" or "uniform".
+        segmentation: segmentation of the motion that texts are aligned with.
     """
 
-    def __init__(self, corpus: TokenCorpus, *, batch: int, layout: str, seed: int) -> None:
-        self._corpus, self._batch, self._layout, self._seed = corpus, batch, layout, seed
+    def __init__(
+        self, corpus: TokenCorpus, *, batch: int, layout: SegmentationKind, segmentation: SegmentationKind, seed: int
+    ) -> None:
+        self._corpus, self._batch, self._seed = corpus, batch, seed
+        self._layout = torch.from_numpy(segmentation_table(corpus.dataset, layout))
+        self._motion_segments = torch.from_numpy(segmentation_table(corpus.dataset, segmentation))
         chance = np.array([clip.weight for clip in corpus.train])
         self._chance = chance / chance.sum()
         self._lengths = np.array([clip.tokens.shape[1] for clip in corpus.train])
@@ -139,7 +156,11 @@ class TokenBatches:
 
     def held(self, count: int) -> list[TokenBatch]:
         """The first `count` clips of the validation split (of training, where there is none), first captions."""
-        clips = sorted((self._corpus.held or self._corpus.train)[:count], key=lambda clip: clip.tokens.shape[1])
+        return self.batches((self._corpus.held or self._corpus.train)[:count])
+
+    def batches(self, clips: Sequence[TokenClip]) -> list[TokenBatch]:
+        """The clips in order of length, each with its first caption."""
+        clips = sorted(clips, key=lambda clip: clip.tokens.shape[1])
         chunks = [clips[start : start + self._batch] for start in range(0, len(clips), self._batch)]
         return [self.collate(chunk, [0] * len(chunk)) for chunk in chunks]
 
@@ -148,21 +169,18 @@ class TokenBatches:
         corpus = self._corpus
         tokens = nn.utils.rnn.pad_sequence([torch.from_numpy(clip.tokens.T) for clip in clips], batch_first=True)
         rows = [clip.segments[caption] for clip, caption in zip(clips, captions, strict=True)]
-        segments = np.zeros((len(clips), max(map(len, rows)), corpus.segments.embeddings.shape[1]), np.float32)
+        count = max(map(len, rows))
+        segments = np.zeros((len(clips), count, corpus.segments.embeddings.shape[1]), np.float32)
         for texts, row in zip(segments, rows, strict=True):
             texts[: len(row)] = corpus.segments.embeddings[row]
         sentences = [clip.sentences[caption] for clip, caption in zip(clips, captions, strict=True)]
+        numbers = [clip.number for clip in clips]
         condition = Condition(
             torch.from_numpy(corpus.sentences.embeddings[sentences].astype(np.float32)),
             torch.from_numpy(segments),
-            stack_lengths([self._segment_lengths(clip) for clip in clips]),
+            self._layout[numbers, :count],
         )
-        return TokenBatch(tokens.permute(2, 0, 1).long(), condition)
-
-    def _segment_lengths(self, clip: TokenClip) -> np.ndarray:
-        if self._layout == "uniform":
-            return uniform_lengths(len(clip.spans), clip.tokens.shape[1])
-        return segment_lengths(clip.spans, clip.tokens.shape[1])
+        return TokenBatch(tokens.permute(2, 0, 1).long(), condition, self._motion_segments[numbers, :count])
 
 
 def _check(dataset: MotionDataset, clip: Clip) -> None:

@@ -22,23 +22,22 @@ class ResidualObjective:
         self.config, self.facts = config, {**corpus.facts(), "training": asdict(training)}
         self.model: Any = ResidualTransformer(config)
         self.model.conditioning.fit(*corpus.training_texts())
-        self._batches = TokenBatches(corpus, batch=training.batch, layout=config.layout, seed=seed)
+        self._batches = TokenBatches(
+            corpus, batch=training.batch, layout=config.layout, segmentation=config.layout, seed=seed
+        )
         self._held = self._batches.held(VALIDATION_CLIPS)
 
     def loss(self, iteration: int) -> dict[str, Tensor]:
         batch = self._batches.training(iteration)
         layer = int(torch.randint(1, self.config.quantizers, ()))
-        keep_sentence, keep_text = dropped_conditions(
-            len(batch.condition.lengths), self.config, self.model.position.device
-        )
-        return self._losses(self.model, batch, layer, keep_sentence, keep_text)
+        return self._losses(self.model, batch, layer, *dropped_conditions(len(batch.motion_segments), self.config))
 
     def validate(self, model: nn.Module) -> dict[str, float]:
         """Mean over held-out clips and over the layers."""
         layers = range(1, self.config.quantizers)
         sums: dict[str, float] = {}
         for batch in self._held:
-            keep = torch.ones(len(batch.condition.lengths), dtype=torch.bool, device=self.model.position.device)
+            keep = torch.ones(len(batch.motion_segments), dtype=torch.bool)
             for layer in layers:
                 for name, value in self._losses(model, batch, layer, keep, keep).items():
                     sums[name] = sums.get(name, 0.0) + float(value) / (len(self._held) * len(layers))
@@ -47,8 +46,9 @@ class ResidualObjective:
     def _losses(
         self, model: nn.Module, batch: TokenBatch, layer: int, keep_sentence: Tensor, keep_text: Tensor
     ) -> dict[str, Tensor]:
-        tokens, condition = batch.tokens.to(keep_text.device), batch.condition.to(keep_text.device)
-        logits = model(tokens[:layer], layer, condition, keep_sentence, keep_text)
+        device = self.model.position.device
+        tokens, condition = batch.tokens.to(device), batch.condition.to(device)
+        logits = model(tokens[:layer], layer, condition, keep_sentence.to(device), keep_text.to(device))
         logits, target = logits[condition.token_mask].float(), tokens[layer][condition.token_mask]
         loss = functional.cross_entropy(logits, target)
         return {"loss": loss, "accuracy": (logits.argmax(-1) == target).float().mean()}

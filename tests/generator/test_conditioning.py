@@ -62,7 +62,7 @@ def test_too_many_segments_are_refused() -> None:
 
 def test_dropped_text_leaves_the_layout() -> None:
     torch.manual_seed(1)
-    module = SegmentConditioning(16)
+    module = SegmentConditioning(16, "layout")
     first, second = condition([3, 4], seed=1), condition([3, 4], seed=2)
     no, yes = torch.zeros(1, dtype=torch.bool), torch.ones(1, dtype=torch.bool)
     torch.testing.assert_close(module(first, yes, no).prefix, module(second, yes, no).prefix)
@@ -78,7 +78,7 @@ def test_dropped_text_leaves_the_layout() -> None:
 def test_token_reads_its_own_segment() -> None:
     """Changing the second segment's text changes the local condition of its tokens alone."""
     torch.manual_seed(2)
-    module, yes = SegmentConditioning(16), torch.ones(1, dtype=torch.bool)
+    module, yes = SegmentConditioning(16, "layout"), torch.ones(1, dtype=torch.bool)
     first = condition([3, 4])
     segments = first.segments.clone()
     segments[:, 1] += 1
@@ -88,10 +88,36 @@ def test_token_reads_its_own_segment() -> None:
     assert changed[3:].min() > 0
 
 
+def test_sentence_conditioning_knows_no_segments() -> None:
+    torch.manual_seed(3)
+    module, yes = SegmentConditioning(16, "sentence"), torch.ones(1, dtype=torch.bool)
+    first = condition([3, 4])
+    given = module(first, yes, yes)
+    assert given.prefix.shape == (1, 1, 16)
+    assert given.prefix_mask.tolist() == [[True]]
+    other = module(Condition(first.sentence, first.segments + 1, stack_lengths([[2, 2, 3]])), yes, yes)
+    assert torch.equal(given.prefix, other.prefix)
+    assert torch.equal(given.local, other.local)
+
+
+def test_segment_conditioning_knows_no_layout() -> None:
+    torch.manual_seed(4)
+    module, yes = SegmentConditioning(16, "segments"), torch.ones(1, dtype=torch.bool)
+    first = condition([3, 4])
+    given, moved = (
+        module(Condition(first.sentence, first.segments, stack_lengths([lengths])), yes, yes)
+        for lengths in ([3, 4], [5, 2])
+    )
+    assert torch.equal(given.prefix, moved.prefix)
+    assert torch.equal(given.local, moved.local)
+    swapped = module(Condition(first.sentence, first.segments.flip(1), first.lengths), yes, yes)
+    assert (given.prefix - swapped.prefix).abs().max() > 1e-3
+
+
 def test_whitening_makes_small_directions_as_large_as_the_rest() -> None:
     rng = np.random.default_rng(0)
     texts = rng.normal(size=(4000, 384)) * np.linspace(1, 0.3, 384)
-    module = SegmentConditioning(8)
+    module = SegmentConditioning(8, "layout")
     module.fit(texts.astype(np.float32), texts.astype(np.float32))
     white = module.white_segment(torch.from_numpy(texts).float()).numpy()
     spread = np.sqrt(np.linalg.eigvalsh(np.cov(white.T)))

@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, Sampling
+from generator.config import PRESETS, ConditioningKind, Sampling, TransformerConfig, from_json, to_json
 from generator.models.conditioning import Condition, stack_lengths
 from generator.models.mask_transformer import MaskTransformer, mask_tokens, sample
 
@@ -68,6 +68,26 @@ def test_generation_fills_every_token(model: MaskTransformer) -> None:
 def test_any_number_of_steps_ends_without_masks(model: MaskTransformer, steps: int) -> None:
     tokens = model.generate(condition([5, 6]), Sampling(steps=steps), torch.Generator().manual_seed(0))
     assert int(tokens.max()) < 24
+
+
+@pytest.mark.parametrize("conditioning", ["sentence", "segments"])
+def test_every_conditioning_generates(conditioning: ConditioningKind) -> None:
+    torch.manual_seed(0)
+    model = MaskTransformer(replace(CONFIG, conditioning=conditioning)).eval()
+    tokens = model.generate(condition([3, 4], [10]), Sampling(), torch.Generator().manual_seed(0))
+    assert tokens.shape == (2, 10)
+    assert int(tokens.max()) < 24
+
+
+def test_weights_of_before_conditioning_could_be_chosen_are_read_as_they_were(model: MaskTransformer) -> None:
+    data = to_json(CONFIG)
+    del data["conditioning"]
+    config = from_json(TransformerConfig, data)
+    assert config == CONFIG
+    same = MaskTransformer(config).eval()
+    same.load_state_dict(model.state_dict())
+    given, tokens = condition([4, 4]), torch.full((1, 8), 24)
+    assert torch.equal(same(tokens, given, flags(1), flags(1)).logits, model(tokens, given, flags(1), flags(1)).logits)
 
 
 def test_guidance_of_one_is_the_conditional_model(model: MaskTransformer) -> None:

@@ -13,12 +13,23 @@ import pytest
 import torch
 
 from generator import weights
-from generator.config import PRESETS, DurationsConfig, EvaluatorConfig, Preset, TokenizerConfig, TransformerConfig
+from generator.config import (
+    PRESETS,
+    AlignmentKind,
+    ConditioningKind,
+    DurationsConfig,
+    EvaluatorConfig,
+    Preset,
+    TokenizerConfig,
+    TransformerConfig,
+)
 from generator.data.dataset import MotionDataset
+from generator.models.conditioning import uniform_lengths
 from generator.models.tokenizer import MotionTokenizer
 from generator.training import loop
 from generator.training.batches import BUCKET, TokenBatches, TokenCorpus
 from generator.training.loop import Run, train
+from generator.training.mask import MaskObjective
 from generator.training.stages import STAGES, Job, choose_device
 from generator.training.text_cache import text_table
 from generator.training.tokenizer import TokenizerObjective
@@ -29,15 +40,15 @@ _TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers
 _TRAINING = replace(PRESETS["small"].mask_training, batch=8, iterations=12, warm_up=2)
 TINY = Preset(
     tokenizer=TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=3),
-    tokenizer_training=replace(_TRAINING, window=40, alignment_weight=0.0, ema=0.0),
+    tokenizer_training=replace(_TRAINING, window=40, alignment="none", ema=0.0),
     mask=_TRANSFORMER,
     mask_training=_TRAINING,
     residual=_TRANSFORMER,
-    residual_training=replace(_TRAINING, alignment_weight=0.0),
+    residual_training=replace(_TRAINING, alignment="none"),
     durations=DurationsConfig(16),
-    durations_training=replace(_TRAINING, alignment_weight=0.0),
+    durations_training=replace(_TRAINING, alignment="none"),
     evaluator=EvaluatorConfig(16, 1, 4, 8),
-    evaluator_training=replace(_TRAINING, alignment_weight=0.0),
+    evaluator_training=replace(_TRAINING, alignment="none"),
 )
 
 
@@ -139,9 +150,9 @@ def test_minutes_end_a_run_too(dataset: MotionDataset, tmp_path: Path) -> None:
 
 def test_batches_depend_on_seed_and_iteration_alone(dataset: MotionDataset, trained: Path) -> None:
     corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
-    first, second = (TokenBatches(corpus, batch=4, layout="exact", seed=0) for _ in range(2))
+    first, second = (TokenBatches(corpus, batch=4, layout="exact", segmentation="uniform", seed=0) for _ in range(2))
     first.training(0)
-    other = TokenBatches(corpus, batch=4, layout="exact", seed=1)
+    other = TokenBatches(corpus, batch=4, layout="exact", segmentation="uniform", seed=1)
     a, b, c = (batches.training(BUCKET + 3) for batches in (first, second, other))
     assert torch.equal(a.tokens, b.tokens)
     assert torch.equal(a.condition.segments, b.condition.segments)
@@ -151,7 +162,9 @@ def test_batches_depend_on_seed_and_iteration_alone(dataset: MotionDataset, trai
 def test_batches_hold_the_clips_tokens_texts_and_boundaries(dataset: MotionDataset, trained: Path) -> None:
     corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
     clip, tokens = dataset.split("train")[1], corpus.train[1].tokens
-    batch = TokenBatches(corpus, batch=4, layout="exact", seed=0).collate(corpus.train[:2], [0, 0])
+    batch = TokenBatches(corpus, batch=4, layout="exact", segmentation="uniform", seed=0).collate(
+        corpus.train[:2], [0, 0]
+    )
     saved = weights.load(trained / "tokenizer", "tokenizer")
     tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig)).eval()
     saved.fill(tokenizer)
@@ -161,8 +174,35 @@ def test_batches_hold_the_clips_tokens_texts_and_boundaries(dataset: MotionDatas
     assert batch.condition.lengths[1].tolist()[: len(clip.segments)] == [7] * (len(clip.segments) - 1) + [6]
     row = corpus.segments.row[clip.segments[0].text]
     assert np.array_equal(batch.condition.segments[1, 0].numpy(), corpus.segments.embeddings[row].astype(np.float32))
-    uniform = TokenBatches(corpus, batch=4, layout="uniform", seed=0).collate(corpus.train[:2], [0, 0])
-    assert int(uniform.condition.lengths[1].sum()) == tokens.shape[1]
+    shares = uniform_lengths(len(clip.segments), tokens.shape[1])
+    assert batch.motion_segments[1].tolist()[: len(clip.segments)] == shares.tolist()
+    uniform = TokenBatches(corpus, batch=4, layout="uniform", segmentation="exact", seed=0).collate(
+        corpus.train[:2], [0, 0]
+    )
+    assert torch.equal(uniform.condition.lengths, batch.motion_segments)
+    assert torch.equal(uniform.motion_segments, batch.condition.lengths)
+
+
+@pytest.mark.parametrize("alignment", ["none", "segment", "batch", "global", "token"])
+@pytest.mark.parametrize("conditioning", ["sentence", "segments", "layout"])
+def test_every_conditioning_and_alignment_can_be_trained(
+    dataset: MotionDataset, trained: Path, alignment: AlignmentKind, conditioning: ConditioningKind
+) -> None:
+    corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
+    config = replace(_TRANSFORMER, conditioning=conditioning)
+    training = replace(_TRAINING, alignment=alignment, segmentation="uniform")
+    if conditioning == "sentence" and alignment not in ("none", "global"):
+        with pytest.raises(InvalidOption, match="knows none or global, found"):
+            MaskObjective(corpus, config, training, seed=0)
+        return
+    objective = MaskObjective(corpus, config, training, seed=0)
+    losses = objective.loss(0)
+    assert ("alignment" in losses) == (alignment != "none")
+    losses["loss"].backward()
+    without = {
+        name for name, values in objective.model.named_parameters() if values.grad is None and "alignment" not in name
+    }
+    assert not without
 
 
 def test_texts_are_embedded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
