@@ -4,10 +4,13 @@ from generator.data.vocabulary.entry import Entry, Params, Slots
 
 
 def _pick_up(params: Params) -> Slots:
+    put_down = ("<set> {thing} down", "<put> {thing} down on the floor", "<place> {thing} on the ground")
     after = ("and <put> it up high", "and <place> it on a shelf", "and <lift> it up", "and <put> it up on a shelf")
     return {
         "thing": ("something", "an object", "a box" if params["side"] == "both" else "a ball"),
         "where": ("", "from the floor", "from the ground", "off the floor"),
+        "moving": ("<lift> {thing} up", "<pick> up {thing}") if params["place"] == "up" else put_down,
+        "handling": ("<grab> something", "<pick> something up", "<take> something"),
         "after": after if params["place"] == "up" else ("",),
     }
 
@@ -28,6 +31,9 @@ ENTRIES = (
             "<squat> down {times}",
             "<perform> {some:squat}",
             "<bend> {poss} knees into a squat {times}",
+            "<bend> down at the knees {times}",
+            "<squat> with {poss} arms out in front {times}",
+            "<do> {some:deep squat}",
             "<squat> down and <rise> again {times}",
         ),
         legs="<squat> down and <stand> up",
@@ -45,6 +51,9 @@ ENTRIES = (
             "<get> down into a crouch",
             "<crouch> low and <rise> again",
             "<duck> down",
+            "<squat> down low",
+            "<go> into a crouch",
+            "<crouch> down on {poss} feet",
         ),
         legs="<crouch> down and <rise> again",
         weight=1.2,
@@ -73,6 +82,8 @@ ENTRIES = (
             "<sit> down",
             "<take> a seat",
             "<sit> {chair}",
+            "<sit> down {chair} with {poss} hands on {poss} lap",
+            "<sit> down with {poss} hands on {poss} thighs",
             "<sit> down for a rest",
             "<lower> into a chair",
             "<have> a seat",
@@ -90,6 +101,9 @@ ENTRIES = (
             "<get> up",
             "<get> back up",
             "<rise> to {poss} feet",
+            "<rise> up",
+            "<come> to a stand",
+            "<return> to a standing position",
             "<stand> up from the chair",
             "<get> up from the chair",
         ),
@@ -126,6 +140,10 @@ ENTRIES = (
             "<bend> down to pick {thing} up with {hand} {after}",
             "<grab> {thing} {where} with {hand} {after}",
             "<lift> {thing} {where} with {hand} {after}",
+            "{moving} with {hand}",
+            "<bend> down and {handling} with {hand} {after}",
+            "<reach> down and {handling} with {hand} {after}",
+            "<reach> down to grab {thing} with {hand} {after}",
         ),
         slots=_pick_up,
         arms="<pick> something up with {hand}",
@@ -159,6 +177,9 @@ ENTRIES = (
             "<stand> on one leg",
             "<balance> on one leg",
             "<hold> {poss} balance on {leg}",
+            "<balance> on {leg} with {poss} arms out",
+            "<stand> on {leg} with {poss} arms out to the sides",
+            "<try> to balance on {leg}",
             "<stand> on {foot}",
         ),
         legs="<balance> on {leg}",
