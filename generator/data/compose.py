@@ -15,7 +15,7 @@ from generator.data import pose as poses
 from generator.data.actions import ACTIONS, perform
 from generator.data.captions import Caption, compose_caption, draw_voice, together
 from generator.data.cmu_atoms import Atom, mirror_params
-from generator.data.joins import cut, join, layer, length, warp
+from generator.data.joins import cut, flat_speed, join, layer, length, warp
 from generator.data.pose import ARM_CHANNELS, Pose
 from generator.data.scene import Scene
 from generator.data.vocabulary import STILL, VOCABULARY, Draw, Params, Phrase, Voice, entry, parts
@@ -23,16 +23,20 @@ from ros_free_stack.skeleton import FPS
 
 MIN_FRAMES: Final = 40
 MAX_FRAMES: Final = 196
-SEGMENT_SHARES: Final = (0.34, 0.32, 0.20, 0.09, 0.05)
+SEGMENT_SHARES: Final = (0.26, 0.29, 0.20, 0.15, 0.10)
 """How often a clip has one, two, ... five segments."""
 MAX_JOINT_SPEED: Final = 14.0  # m/s
-_SIMULTANEOUS = 0.45
+_SIMULTANEOUS = 0.20  # of authored segments: legs and arms apart
+_ARMS_OVER_ATOM = 0.45
 _SAME_AGAIN = 0.07
 _QUICKEST, _SLOWEST = 0.85, 1.15  # time warp of captured motion
 _REAL_CLIPS = 0.32
 _ATTEMPTS = 200
 _AFTER_SITTING = ("look_around", "nod", "shake_head", "wave", "clap", "cross_arms", "drink", "point", "raise_arm")
-_ATOM_WEIGHTS: Final = {"walk": 3.0, "jog": 1.5, "jump": 1.5, "kick": 1.5, "dribble": 0.5, "swordplay": 0.4}
+_ATOM_WEIGHTS: Final = {"walk": 1.2, "kick": 0.4, "walk as told": 0.3}
+_UNKNOWN_ATOM = 0.2  # of names that the vocabulary lacks
+_STANDING_ENDS = 0.85  # how often a clip that would begin or end in mid-stride starts from, or stops in, standing
+_MID_STRIDE = 0.25  # m/s
 
 
 @dataclass(frozen=True)
@@ -158,7 +162,7 @@ def draw_plan(rng: np.random.Generator, count: int, atoms: tuple[Atom, ...] = ()
         if slot in captured:
             part = _draw_atom(rng, atoms, first=slot == 0, last=slot == count - 1, brief=draw.brief)
         else:
-            part = _draw_authored(draw, plan, limit=MAX_FRAMES / FPS / count, joined=slot + 1 in captured)
+            part = _draw_authored(draw, plan, limit=1.15 * MAX_FRAMES / FPS / count, joined=slot + 1 in captured)
         plan.append(part)
     return tuple(plan)
 
@@ -171,22 +175,23 @@ def _captured_slots(rng: np.random.Generator, count: int) -> frozenset[int]:
 def _draw_atom(rng: np.random.Generator, atoms: tuple[Atom, ...], *, first: bool, last: bool, brief: bool) -> Part:
     usable = [a for a in atoms if not a.role or (a.role == "first" and first) or (a.role == "last" and last)]
     names = sorted({atom.name for atom in usable})
-    weights = np.array([_atom_weight(name) for name in names])
+    takes = {name: {atom.take for atom in usable if atom.name == name} for name in names}
+    weights = np.array([_atom_weight(name, len(takes[name])) for name in names])
     name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
     same = [atom for atom in usable if atom.name == name]
     atom = same[int(rng.integers(len(same)))]
     atom = atom.mirrored if rng.random() < 0.5 else atom
     arms = None
-    if name in ("walk", "jog") and rng.random() < _SIMULTANEOUS:
+    if name in ("walk", "jog") and rng.random() < _ARMS_OVER_ATOM:
         arms = _draw_deed(Draw(rng), "arms", (), length(atom.pose) / FPS)
     elif atom.cyclic:
         atom = _window(rng, atom, brief=brief)
     return Part(atom=atom, arms=arms)
 
 
-def _atom_weight(name: str) -> float:
-    """How often an atom of that name is drawn; those of single real captions are few and must not crowd the rest."""
-    return _ATOM_WEIGHTS.get(name, 0.7 if name in VOCABULARY else 0.4 if name == "walk as told" else 0.1)
+def _atom_weight(name: str, takes: int) -> float:
+    """How often an atom of that name is drawn: the more, the more takes show it, as few would be seen too often."""
+    return _ATOM_WEIGHTS.get(name, 1.0 if name in VOCABULARY else _UNKNOWN_ATOM) * takes**0.5
 
 
 def _window(rng: np.random.Generator, atom: Atom, *, brief: bool) -> Atom:
@@ -213,10 +218,10 @@ def _draw_authored(draw: Draw, plan: list[Part], *, limit: float, joined: bool) 
         if other != before.deed.params:
             return Part(deed=Deed(before.deed.name, other))
     avoid = ("stand_up", *(("sit_down",) if joined else ()), *((before.deed.name,) if before and before.deed else ()))
-    deed = _draw_deed(draw, "", avoid, limit)
-    if ACTIONS[deed.name].part == "legs" and deed.name != "stand" and rng.random() < _SIMULTANEOUS:
-        return Part(deed=deed, arms=_draw_deed(draw, "arms", (), limit))
-    return Part(deed=deed)
+    if rng.random() < _SIMULTANEOUS:
+        legs = _draw_deed(draw, "legs", ("stand", *avoid), limit, evenness=0.5)
+        return Part(deed=legs, arms=_draw_deed(draw, "arms", (), limit, evenness=0.5))
+    return Part(deed=_draw_deed(draw, "", avoid, limit))
 
 
 def _sits(plan: list[Part]) -> bool:
@@ -224,11 +229,14 @@ def _sits(plan: list[Part]) -> bool:
     return "sit_down" in names and "stand_up" not in names[len(names) - names[::-1].index("sit_down") :]
 
 
-def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...], limit: float) -> Deed:
-    """An authored deed of a part of the body ("" for any) that usually lasts at most `limit` s."""
+def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...], limit: float, evenness: float = 0.0) -> Deed:
+    """An authored deed of a part of the body ("" for any) that usually lasts at most `limit` s.
+
+    At an `evenness` of 0 it is drawn as often as its weight says, at 1 all are alike: combinations want many kinds.
+    """
     names = [n for n in VOCABULARY if n in ACTIONS and n not in avoid and (not part or ACTIONS[n].part == part)]
     short = [name for name in names if usual_duration(name, draw.brief) <= limit] or names
-    weights = np.array([VOCABULARY[name].weight for name in short])
+    weights = np.array([VOCABULARY[name].weight ** (1 - evenness) for name in short])
     name = short[int(draw.rng.choice(len(short), p=weights / weights.sum()))]
     return Deed(name, entry(name).sample(draw))
 
@@ -260,11 +268,28 @@ def _perform(plan: tuple[Part, ...], rng: np.random.Generator) -> tuple[Pose, tu
                 stop += 1
             runs.append(_author(plan[index:stop], rng, lone=stop - index == len(plan)))
             index = stop
-    pose, spans = runs[0].pose, runs[0].spans
-    for run in runs[1:]:
-        pose, _, after = join(pose, run.pose)
-        spans += tuple((start + after, end + after) for start, end in run.spans)
-    return pose, spans
+    first, last = runs[0].pose, runs[-1].pose
+    before = _standing(rng) if flat_speed(first, 0) * FPS > _MID_STRIDE and rng.random() < _STANDING_ENDS else None
+    after = _standing(rng) if flat_speed(last, -1) * FPS > _MID_STRIDE and rng.random() < _STANDING_ENDS else None
+    pose, spans = before, ()
+    for run in runs:
+        pose, begin = _joined(pose, run.pose)
+        spans += tuple((start + begin, end + begin) for start, end in run.spans)
+    assert pose is not None
+    return (join(pose, after)[0] if after else pose), spans
+
+
+def _joined(before: Pose | None, after: Pose) -> tuple[Pose, int]:
+    """Both in one, if there are two, and the frame at which the latter begins."""
+    if before is None:
+        return after, 0
+    pose, _, begin = join(before, after)
+    return pose, begin
+
+
+def _standing(rng: np.random.Generator) -> Pose:
+    """A moment of standing with the feet side by side."""
+    return Scene(seed=int(rng.integers(2**31))).solve(tail=float(rng.uniform(0.2, 0.5)))
 
 
 def _author(plan: tuple[Part, ...], rng: np.random.Generator, *, lone: bool) -> _Run:

@@ -12,10 +12,13 @@ from scipy.interpolate import CubicSpline
 
 from generator.data.pose import CHANNELS, Pose
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.skeleton import FPS
 
 SHORT_BRIDGE: Final = 8
 LONG_BRIDGE: Final = 13
 """Frames of a bridge whose feet stay about where they are, and of one that takes steps."""
+_FRAMES_A_SPEED: Final = 6.0
+"""Frames more for each m/s by which the pelvis speeds up or slows down: a walk starts and stops within a second."""
 _SLIDE = 0.015  # m: nearer than this a foot needs no step
 _STEP = 0.06  # m: farther than this a bridge takes its time
 _TURNING = {"arm_left": 3, "arm_right": 3, "foot_left": 3, "foot_right": 3}
@@ -99,6 +102,8 @@ def join(before: Pose, after: Pose) -> tuple[Pose, int, int]:
         The joined pose, and the frames at which `before` has ended and `after` begins.
     """
     frames = LONG_BRIDGE if _moved_feet(before, after) > _STEP else SHORT_BRIDGE
+    change = flat_speed(after, 0) - flat_speed(before, -1)
+    frames += round(_FRAMES_A_SPEED * FPS * abs(change)) if frames == LONG_BRIDGE else 0
     span = frames + 1.0
     turned = place(after, np.zeros(2), before["heading"][-1])
     turn = 0.5 * span * (_rate(before, "heading", -1) + _rate(turned, "heading", 0))
@@ -134,8 +139,12 @@ def _moved_feet(before: Pose, after: Pose) -> float:
     there = place(cut(after, 0, 1), np.zeros(2), 0.0)
     feet = ("foot_left", "foot_right")
     resting = max(float(np.linalg.norm(here[foot][0, :3] - there[foot][0, :3])) for foot in feet)
-    speeds = [_rate(pose, "root", frame)[:2] for pose, frame in ((before, -1), (after, 0))]
-    return resting + 4 * max(float(np.linalg.norm(speed)) for speed in speeds)
+    return resting + 4 * max(flat_speed(before, -1), flat_speed(after, 0))
+
+
+def flat_speed(pose: Pose, frame: int) -> float:
+    """Speed of the pelvis over the floor at the first (0) or the last (-1) frame, in m a frame."""
+    return float(np.linalg.norm(_rate(pose, "root", frame)[:2]))
 
 
 def _bridge(before: Pose, after: Pose, frames: int) -> Pose:

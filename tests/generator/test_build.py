@@ -37,10 +37,10 @@ def test_each_clip_is_where_the_index_says(folder: Path) -> None:
     assert describe(data.manifest).startswith("12 clips")
 
 
-def test_about_a_tenth_of_the_ordered_pairs_is_held_out() -> None:
+def test_about_an_eighth_of_the_ordered_pairs_is_held_out() -> None:
     splits = [pair_split(a, b) for a in VOCABULARY for b in VOCABULARY if a != b]
     assert 0.06 < splits.count("test") / len(splits) < 0.10
-    assert 0.01 < splits.count("val") / len(splits) < 0.03
+    assert 0.03 < splits.count("val") / len(splits) < 0.05
 
 
 def test_no_training_clip_shows_a_held_out_order(folder: Path) -> None:

@@ -148,7 +148,7 @@ ENTRIES = (
         slots=_walk,
         arms="<swing> naturally",
         legs="<walk> {way}",
-        weight=6.0,
+        weight=10.0,
     ),
     Entry(
         "walk_circle",
@@ -164,7 +164,7 @@ ENTRIES = (
         slots=_circle,
         arms="<swing> naturally",
         legs="<walk> {circle}",
-        weight=1.5,
+        weight=2.5,
     ),
     Entry(
         "turn",
@@ -182,7 +182,7 @@ ENTRIES = (
         ),
         slots=_turn,
         legs="<turn> {round}",
-        weight=4.0,
+        weight=5.0,
     ),
     Entry(
         "march",
@@ -233,7 +233,7 @@ ENTRIES = (
         slots=_jog,
         arms="<swing> with bent elbows",
         legs="{verb} {way}",
-        weight=1.8,
+        weight=3.0,
     ),
     Entry(
         "sneak",
