@@ -18,8 +18,8 @@ _NO_CLAUSE_AFTER = word_set("to who that which if by without in of for from with
 _BEFORE_VERB = frozenset({"aux", "auxpass", "neg", "advmod"})
 _MANNERS = word_set("using lifting curving bending keeping making leaning facing taking going leading")
 _COMPARISONS = frozenset({"like", "if", "though", "because"})
-_NEVER_VERBS = frozenset({"left", "right", "jack", "jacks"})
-_POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
+_NEVER_VERBS = frozenset({"left", "right", "jack", "jacks"}) | (LIMBS - {"hand", "hands", "head", "elbow", "elbows"})
+POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
 _OTHERS = {"him": "them", "me": "them", "you": "them", "us": "them", "himself": "themselves", "itself": "themselves",
            "herself": "themselves", "yourself": "themselves", "myself": "themselves"}  # fmt: skip
 
@@ -213,9 +213,11 @@ def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> s
     for token in doc[start:end]:
         if token.text in {"simultaneously", ".", ";", SUBJECT} or (adverbs_only and token.tag_ != "RB"):
             continue
-        if token.text in _POSSESSIVES or (token.text == "her" and token.tag_ == "PRP$"):
-            if not (words and words[-1] in {"both", "all", "the"}):
+        if token.text in POSSESSIVES or (token.text == "her" and token.tag_ == "PRP$"):
+            if words[-1:] not in (["both"], ["all"], ["the"]):
                 words.append("the")
+            continue
+        if token.text == "the" and words[-1:] == ["both"] and token.i + 1 < end and token.nbor().text in LIMBS:
             continue
         words.append(_OTHERS.get(token.text, token.text))
     return _join(*words)
@@ -223,5 +225,11 @@ def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> s
 
 def _join(*parts: str) -> str:
     return (
-        " ".join(part for part in parts if part).replace(" ,", ",").replace(" 's", "'s").replace(" - ", "-").strip(", ")
+        " ".join(part for part in parts if part)
+        .replace(" ,", ",")
+        .replace(" 's", "'s")
+        .replace(" - ", "-")
+        .replace("one-after-the-other", "one after the other")
+        .replace("one-after-another", "one after another")
+        .strip(", ")
     )

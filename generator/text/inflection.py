@@ -15,33 +15,37 @@ def word_set(words: str) -> frozenset[str]:
 
 MOTION_VERBS = word_set(
     """
-    accelerate advance approach balance beckon bend bounce bow box brace bring brush carry cartwheel catch chop
-    circle clap clean clench climb close collapse come cover crawl creep cross crouch curl curtsy dab dance dash dip
-    dive do dodge drag drink drop duck dust elbow enter exit extend face fall fight flail flap flex flip fold
-    freeze gallop gesture get give glance go grab greet grip halt hit hold hop hug hunch hurdle hurry imitate
-    inspect jab
-    jerk jog juggle jump kick kneel knock lean leap lie lift limp look lower lunge lurch make march mime mimic move
-    nod open pace paddle pantomime pat pause perform pick pivot place play point pose pour practise practice prance
-    pray press pretend proceed pull pump punch push put raise rock recover
-    reach rest retreat return ride rise roll rotate rub run
-    rush salute saunter scoop scratch scurry sway seem shadowbox shake shift shiver shrug shuffle sidestep set sit skate
-    skip slam slap slide slip slouch smash sneak spin spread sprint squat squeeze stagger stamp stand start stay
-    steady step stir stomp stoop stop straighten stretch stride strike stroll strut stumble swat sweep swim swing
-    swipe take tap throw tilt tiptoe toss touch trip trot trudge tug tumble turn twirl twist type uncross unfold
-    vault waddle wait walk wander wash wave weave wiggle wipe wobble yawn zigzag
-    applaud motion rehearse gaze shimmy spar
+    accelerate advance applaud approach ascend backpedal balance beckon begin bend bicycle blow bounce bow box brace
+    breakdance bring brush carry cartwheel catch chat cheer chop circle clap clean clench climb close collapse come
+    conduct continue cook cover cower crab cradle crawl creep cross crouch cry cuddle curl curtsy cycle dab dance
+    dangle dash deliver demonstrate descend dig dip direct dive do dodge drag dribble drink drive drop duck dust eat
+    elbow elevate end enter exit extend face fall fight finish flail flap flex flick flinch flip fly fold freeze
+    gallivant gallop gaze genuflect gesture get give glance go grab grasp greet grip halt handstand haul headbang hit
+    hold hop hug hunch hurdle hurry hustle idle imitate inspect jab jerk jiggle jog juggle jump keep kick kiss kneel
+    knock lean leap leapfrog lie lift limp look loosen lower lunge lurch make march meander meditate mime mimic
+    moonwalk motion move nod nudge open overtake pace paddle pantomime parade pat pause peek peer perform pick
+    pirouette pivot place play plod point pop pose pour practice practise prance pray present press pretend proceed
+    pull pump punch push put raise reach recover rehearse relax remove rest retreat return ride rise rock roll rotate
+    rub run rush salute saunter scoop scoot scramble scratch scurry search seem set shadowbox shake shift shimmy
+    shiver shove shrug shuffle shut sidestep sidle sing sink sit skate skateboard ski skip slam slap slide slip slouch
+    slump smash sneak somersault spar spin spread sprint squat squeeze squirm stagger stamp stand start stay steady
+    steer step stir stomp stoop stop straighten stretch stride strike stroll struggle strut stumble swagger swat sway
+    sweep swerve swim swing swipe swivel take talk tap throw tighten tilt tiptoe toss touch tremble trip trot trudge
+    tug tumble turn twerk twirl twist type uncross unfold vacuum vault waddle wait walk wander warm wash watch wave
+    weave whirl wiggle wink wipe wobble wriggle write yank yawn zigzag
     """
 )
 
 _IRREGULAR_THIRD = {"be": "is", "have": "has"}
 _IRREGULAR_PAST = {
-    "bend": "bent", "bring": "brought", "catch": "caught", "come": "came", "creep": "crept", "do": "did",
-    "drink": "drank", "fall": "fell", "fight": "fought", "freeze": "froze", "get": "got", "give": "gave", "go": "went",
-    "hit": "hit", "hold": "held", "kneel": "knelt", "leap": "leapt", "lie": "lay", "make": "made", "put": "put",
-    "ride": "rode", "rise": "rose", "run": "ran", "set": "set", "shake": "shook", "sit": "sat", "slide": "slid",
-    "spin": "spun",
-    "spread": "spread", "stand": "stood", "stride": "strode", "strike": "struck", "sweep": "swept", "swim": "swam",
-    "swing": "swung", "take": "took", "throw": "threw", "weave": "wove",
+    "begin": "began", "bend": "bent", "blow": "blew", "bring": "brought", "catch": "caught", "come": "came",
+    "creep": "crept", "dig": "dug", "do": "did", "drink": "drank", "drive": "drove", "eat": "ate", "fall": "fell",
+    "fight": "fought", "fly": "flew", "freeze": "froze", "get": "got", "give": "gave", "go": "went", "hit": "hit",
+    "hold": "held", "keep": "kept", "kneel": "knelt", "leap": "leapt", "lie": "lay", "make": "made", "put": "put",
+    "ride": "rode", "rise": "rose", "run": "ran", "set": "set", "shake": "shook", "shut": "shut", "sing": "sang",
+    "sink": "sank", "sit": "sat", "slide": "slid", "spin": "spun", "spread": "spread", "stand": "stood",
+    "stride": "strode", "strike": "struck", "sweep": "swept", "swim": "swam", "swing": "swung", "take": "took",
+    "throw": "threw", "weave": "wove", "write": "wrote",
 }  # fmt: skip
 _DOUBLING_IN_LONG_WORDS = frozenset({"begin", "forget", "zigzag", "unzip", "admit", "prefer"})
 _ONE_SHORT_SYLLABLE = re.compile(r"[^aeiou]*(?:qu)?[aeiouy][^aeiouwxy]")
@@ -90,6 +94,13 @@ def _forms() -> dict[str, str]:
 
 FINITE_FORMS = MappingProxyType(_forms())
 """Every base, third person and past form of a motion verb, to its base."""
+
+PARTICIPLES = MappingProxyType(
+    {"done": "do", "gone": "go", "taken": "take", "risen": "rise", "fallen": "fall", "given": "give", "thrown": "throw",
+     "shaken": "shake", "swum": "swim", "drunk": "drink", "ridden": "ride", "frozen": "freeze", "lain": "lie",
+     "come": "come", "run": "run", "begun": "begin", "gotten": "get", "woven": "weave", "stridden": "stride"}
+)  # fmt: skip
+"""Participles of motion verbs that differ from the past form, to the base."""
 
 GERUNDS = MappingProxyType({gerund(base): base for base in MOTION_VERBS})
 """Every gerund of a motion verb, to its base."""

@@ -49,7 +49,7 @@ def _is_english(words: list[str]) -> bool:
     """At least as many words are known as English as are function words of any one other language."""
     if not all(_is_latin(word) for word in words):
         return False
-    english = [word in _english_words() and word not in _SPELT_ALIKE for word in words]
+    english = [word in english_words() and word not in _SPELT_ALIKE for word in words]
     others = [sum(word in stops for word in words) for stops in _stop_words_elsewhere()]
     if not any(english):
         return max(others) == 0 and len(words) <= MAX_WORDS_WITHOUT_ENGLISH and "".join(words).isascii()
@@ -61,14 +61,15 @@ def _is_latin(word: str) -> bool:
 
 
 @cache
-def _english_words() -> frozenset[str]:
+def english_words() -> frozenset[str]:
+    """Function words, body, place, and motion verbs in all their forms."""
     return _stop_words("en") | _BODY_AND_PLACE | frozenset(FINITE_FORMS) | frozenset(GERUNDS)
 
 
 @cache
 def _stop_words_elsewhere() -> tuple[frozenset[str], ...]:
     """The function words of each other language that are no English words."""
-    return tuple(_stop_words(code) - _english_words() for code in LANGUAGES)
+    return tuple(_stop_words(code) - english_words() for code in LANGUAGES)
 
 
 def _stop_words(code: str) -> frozenset[str]:

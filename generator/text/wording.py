@@ -1,84 +1,107 @@
-"""Plain wording before the parse: one spelling for connectives and counts, no lead-ins, a subject for every verb.
-
-Terse prompts ("squats twice", "wave, then bow") mislead a parser, which takes their verbs for nouns. Given a subject
-("he squats twice") it reads them right, so this module writes one in wherever a clause begins with a motion verb.
-"""
+"""Plain wording before the parse: one spelling for connectives and counts, no lead-ins, no fillers."""
 
 import re
 
-from generator.text.inflection import FINITE_FORMS, GERUNDS, third_person, word_set
+from generator.text.inflection import FINITE_FORMS, GERUNDS, PARTICIPLES, gerund, third_person, word_set
 
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
-_NUMBER = "|".join((*_NUMBERS, *map(str, range(len(_NUMBERS)))))
-
-_LEAD_INS = re.compile(
-    r"^(?:(?:please|ok|okay|hey|hi|hello|now|so|robot|just|"
-    r"(?:can|could|would|will) you|you (?:should|must|have to|need to)|"
-    r"i(?: would|'d)? (?:want|like|need) "
-    r"(?:you|him|her|it|them|someone|somebody|(?:the|a) (?:robot|person|man|woman)) to|"
-    r"(?:make|let|have) (?:him|her|it|them|the robot|(?:a|the) (?:person|man|woman|figure))|let's|try to|"
-    r"(?:show|generate|create|simulate|animate)(?: me)?(?= (?:a|an|the|some)\b)|"
-    r"(?:an? |the )?(?:motion|animation|video|clip) (?:of|showing|in which))[, ]+)+"
-)
-_THEN = re.compile(
-    r"\b(?:(?:and )?(?:afterwards?|after (?:that|this|which)|following (?:that|this)|subsequently|later on|"
-    r"(?:then )?finally|lastly|at last|in the end|at the end|eventually|next(?! to)|second(?:ly)(?=[ ,])|"
-    r"third(?:ly)(?=[ ,])|(?:which is |is )?followed by)|and then)\b"
-)
-_FIRST = re.compile(
-    r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )"
-    r"(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
-)
-_BUT_FIRST = re.compile(r"([^.;]+?),? but first ([^.;]+)")
-_TOGETHER = re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?")
-_HEDGES = re.compile(r"\b(?:appears?|seems?|is seen|can be seen) (?:to be |to |(?=\w+ing))")
-_TIMES = re.compile(rf"\b(?:x ?(\d+)|({_NUMBER}) ?(?:x|times?|×))(?![\w])")
-
-# After these a clause may begin.
-OPENERS = frozenset({"", ".", ";", ",", "and", "or", "but", "then", "simultaneously"})
-SUBORDINATORS = frozenset({"after", "before", "while", "as", "when"})
-SUBJECT = "he"
+NUMBER = "|".join((*_NUMBERS, *map(str, range(len(_NUMBERS)))))
 
 PEOPLE = word_set(
     """
     person man woman guy boy girl lady gentleman human humanoid individual figure character robot actor dancer kid
-    child stickman subject male female someone somebody he she it they you we i
+    child stickman subject male female someone somebody he she it they you we i one
+    people men women guys boys girls ladies gentlemen humans individuals figures persons dancers robots
     """
 )
-_HUMAN_SUBJECT = re.compile(
-    r"(^|[.,;] |\b(?:and|or|but|then|simultaneously|after|before|while|as|when) )"
-    rf"(?:(?:an?|the|this|that|some|another|one) (?:[a-z]+ )?)?(?:{'|'.join(sorted(PEOPLE))})(?:'s)? (?!and |or )"
-)
-_MISPLACED_THEN = re.compile(rf"\b{SUBJECT} then\b")
 LIMBS = word_set("hand hands arm arms leg legs foot feet head knee knees elbow elbows shoulder shoulders palm palms")
-_LIMB = "|".join(sorted(LIMBS))
-_LIMB_SUBJECT = re.compile(
-    rf"(^|[.,;] |\b(?:and|then|simultaneously) )((?:the|his|her|their|your|both|a|one|a person's|the person's)"
-    rf"(?: (?:left|right|other|both))? (?:{_LIMB})) ((?:is|are|was|were) (?:being )?)?([a-z]+)\b"
+SUBORDINATORS = frozenset({"after", "before", "while", "as", "when"})
+SUBJECT = "he"
+
+_VERBS = "|".join(sorted(FINITE_FORMS, key=len, reverse=True))
+_PRONOUN = r"(?:he|she|it|they|you|we|i|one|someone|(?:the|a) (?:person|man|woman|robot|figure|guy|human))"
+_LEAD_INS = re.compile(
+    r"^(?:(?:please|kindly|ok|okay|hey|hi|hello|now|so|robot|just|"
+    r"(?:can|could|would|will) (?:you|u)|you (?:should|must|have to|need to)|"
+    r"i(?: would|'d)? (?:want|like|need) "
+    r"(?:you|him|her|it|them|someone|somebody|(?:the|a) (?:robot|person|man|woman)) to|"
+    r"(?:make|let|have) (?:him|her|it|them|the robot|(?:a|the) (?:person|man|woman|figure))|let's|try to|"
+    r"(?:tell|ask|order|command|get) (?:him|her|it|them|(?:a|the) (?:robot|person|man|woman|figure)) to|"
+    r"(?:show|generate|create|simulate|animate)(?: me)?(?= (?:a|an|the|some)\b)|"
+    r"i(?: would|'d)? (?:want|like)(?: to see)?(?= (?:a|an|the|some)\b)|"
+    r"(?:an? |the )?(?:motion|animation|video|clip) (?:of|showing|in which))[, ]+)+"
 )
-_NOUN_ACTION = re.compile(
-    rf"(^|[.,;] |\b(?:and|then|simultaneously|after|before) )"
-    rf"((?:(?:an?|the|one more|another|{_NUMBER}|some|a few|a couple of|several) (?:[a-z]+ )?)?)"
-    r"(jumping jacks?|star jumps?|push ups?|[a-z]+)"
-    r"(?=$| ?[.,;]| (?:and|then|with|to|while|before|after|in|of|forwards?|up)\b)"
+_FILLERS = re.compile(r"(,?) ?\b(?:please|kindly|maybe|perhaps|um+|uh+|er+m*|simply|basically|just)\b,?")
+_SYMBOLS = (
+    (re.compile(r"\s*(?:->|=>|→|>)\s*"), " then "),
+    (re.compile(r"\s*[&+]\s*"), " and "),
+    (re.compile(r"(^|[\s.;,])\d\s?[.)]\s+(?=[a-z])"), r"\1 . "),
+    (re.compile(r"\(([a-z]+ly)\)"), r"\1"),
+    (re.compile(r"[\"“”()\[\]:!?]+|\.{2,}|\s[-–—]+\s|—"), " . "),
+    (re.compile(r"(?:\s*\.)+"), " ."),
 )
-_WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[.,;]")
-_ADVERB = re.compile(r"[a-z]{2,}ly|once|again|also|both|immediately")
-_JACKS = frozenset({"jack", "jacks"})
+_CONNECTIVES = (
+    (re.compile(r"\bwhilst\b"), "while"),
+    (re.compile(r"\bone after the other\b"), "one-after-the-other"),
+    (re.compile(r"\bone after another\b"), "one-after-another"),
+    (re.compile(r"(?<!more )(?<!less )(?<!other )(?<!rather )(?<!further )(?<!er )\bthan\b(?= (?:to )?\w+)"), "then"),
+    (re.compile(r"\b(?:prior to|in advance of)\b"), "before"),
+    (re.compile(r"\b(?:upon|on)(?= (?:\w+ing)\b)"), "after"),
+    (re.compile(rf"\b(?:as soon as|once|now that)(?= {_PRONOUN}\b)"), "after"),
+    (re.compile(rf"\b(?:after|when) ({_PRONOUN} )?(?:(?:has|have|had|is|are) )?(?:finish(?:ed|es)?|done)(?: with)? "
+                r"(?=\w+ing\b)"), "after "),
+    (re.compile(r"\b(?:only|just|shortly|soon|immediately|directly|straight)(?= (?:after|before)\b)"), ""),
+    (re.compile(r"\b(?:(?:and )?(?:afterwards?|after (?:that|this|which)|following (?:that|this)|subsequently|"
+                r"later on|(?:then )?finally|lastly|at last|in the end|at the end|eventually|next(?! to)|"
+                r"second(?:ly)(?=[ ,])|third(?:ly)(?=[ ,])|(?:which is |is )?followed by)|and then)\b"), "then"),
+    (re.compile(rf"(?:(?<=[.,;] )|(?<=and ))(?:first|second|third|fourth|fifth|last),? (?=(?:{_VERBS})\b)"), "then "),
+    (re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?"),
+     " simultaneously"),
+)  # fmt: skip
+_FIRST = re.compile(
+    r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )"
+    r"(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
+)
+_BUT_FIRST = re.compile(r"([^.;]+?),? but (?:first|before that|before this),? ([^.;]+)")
+_HEDGES = re.compile(r"\b(?:appears?|seems?|is seen|can be seen) (?:to be |to |(?=\w+ing))")
+_STARTS_BY = re.compile(
+    r"\b(?:starts?|begins?|ends?|finish(?:es)?|continues?|concludes?)(?: off| out| up)? (?:by|with)(?= (\w+ing)\b)"
+)
+_RIGHT_BEFORE = re.compile(r"\b(\w+) right (?=(?:after|before)\b)")
+_DIRECTED = word_set("turn look step lean walk move face go shift pivot run jump hop point glance sidestep")
+_TIMES = re.compile(rf"\b(?:x ?(\d+)|({NUMBER}) ?(?:x|times?|×))(?![\w])")
+_BOTH_OF = re.compile(r"\b(both|all) of (?=(?:the|his|her|their|your|its|my|our)\b)")
+_OWN = re.compile(r"\b(his|her|their|your|its|my|our)(?: very)? own\b")
+_POSSESSIVE = re.compile(rf"\b(?:(?:an?|the|this|that|another) )?(?:{'|'.join(sorted(PEOPLE))})'s (?:own )?(\w+)")
+_PERFECT = re.compile(rf"\b({_PRONOUN} )(?:has|have|had|'ve) ((?:\w+ly )?)(\w+)\b")
+_HAVING = re.compile(r"(^|[.,;] )?\b((?:(?:after|before) )?)having (\w+)\b")
+_DURING = re.compile(r"\bduring (?=(?:an?|the|some)\b)")
 
 
 def plain_wording(prompt: str) -> str:
     """Lower case, one spelling of counts ("twice", "three times"), of "then", "while" and "simultaneously"."""
     text = prompt.lower().replace("’", "'").strip()
-    text = re.sub(r"[\"“”()\[\]:!?]+|\.{2,}|\s[-–—]+\s|—", " . ", text)
-    text = re.sub(r"(?:\s*\.)+", " .", " ".join(text.split())).strip(" .,;")
-    text = _LEAD_INS.sub("", text)
+    for pattern, plain in _SYMBOLS:
+        text = pattern.sub(plain, text)
+    text = _LEAD_INS.sub("", " ".join(text.split()).strip(" .,;"))
+    text = _lead_in_and_fillers(text)
     text = _FIRST.sub(r"\1", text)
-    text = _BUT_FIRST.sub(r"\2 . then \1", text.replace("whilst", "while"))
+    text = _BUT_FIRST.sub(r"\2 . then \1", text)
     text = _HEDGES.sub(lambda found: "is " if found.group().endswith("be ") else "", text)
-    text = _THEN.sub("then", text)
-    text = _TOGETHER.sub(" simultaneously", text)
-    return " ".join(_TIMES.sub(_count, text).split())
+    text = _OWN.sub(r"\1", _BOTH_OF.sub(r"\1 ", text))
+    text = _POSSESSIVE.sub(_possessive, text)
+    text = _RIGHT_BEFORE.sub(_right_before, text)
+    for pattern, plain in _CONNECTIVES:
+        text = pattern.sub(plain, text)
+    text = _STARTS_BY.sub(_starts_by, _HAVING.sub(_having, _PERFECT.sub(_perfect, text)))
+    text = _DURING.sub("while doing ", text)
+    return " ".join(_TIMES.sub(_count, text.replace("thrice", "three times")).split()).strip(" .,;")
+
+
+def _lead_in_and_fillers(text: str) -> str:
+    """Fillers may hide a lead-in ("um, could you"), so lead-ins are looked for again."""
+    without = " ".join(_FILLERS.sub(r"\1 ", text).split()).strip(" .,;")
+    return _LEAD_INS.sub("", without) or text
 
 
 def _count(found: re.Match[str]) -> str:
@@ -87,68 +110,33 @@ def _count(found: re.Match[str]) -> str:
     return {"one": "once", "two": "twice"}.get(word, f"{word} times")
 
 
-def with_subjects(text: str) -> str:
-    """Every clause with the subject "he" and its motion verb in the third person; gerunds after a subordinator and
-    participles ("walks waving") stay as they are.
-
-    A gerund that begins the text is a verb ("waving" is "he waves"), and so are those coordinated with it.
-    """
-    text = _MISPLACED_THEN.sub(f"then {SUBJECT}", _HUMAN_SUBJECT.sub(rf"\1{SUBJECT} ", text))
-    text = _LIMB_SUBJECT.sub(_limb_subject, _NOUN_ACTION.sub(_noun_action, text))
-    words = _WORD.findall(text)
-    out: list[str] = []
-    gerunds_are_verbs = True
-    for place, word in enumerate(words):
-        adverbs = _trailing_adverbs(out)
-        before = out[-1 - adverbs] if len(out) > adverbs else ""
-        following = words[place + 1] if place + 1 < len(words) else ""
-        if before == SUBJECT and (word in FINITE_FORMS or word in GERUNDS):
-            out.append(third_person(FINITE_FORMS.get(word) or GERUNDS[word]))
-            gerunds_are_verbs = word in GERUNDS
-        elif before in OPENERS and (base := _opening_verb(word, following, gerunds=gerunds_are_verbs)):
-            out.insert(len(out) - adverbs, SUBJECT)
-            out.append(third_person(base))
-            gerunds_are_verbs = word in GERUNDS
-        else:
-            out.append(word)
-            gerunds_are_verbs = _gerunds_are_verbs_after(word, gerunds_are_verbs)
-    return " ".join(out)
+def _possessive(found: re.Match[str]) -> str:
+    """ "the person's left hand" to "the left hand"; "he's waving" to "he is waving"."""
+    following = found.group(1)
+    if following in GERUNDS or following.endswith("ing"):
+        return found.group().replace("'s", " is")
+    return f"the {following}"
 
 
-def _gerunds_are_verbs_after(word: str, so_far: bool) -> bool:
-    if word in {".", ";", "then"}:
-        return True
-    return so_far and word not in SUBORDINATORS and word not in {SUBJECT, "is", "are", "was"}
+def _right_before(found: re.Match[str]) -> str:
+    """ "bows right before" to "bows before"; "turns right before" stays."""
+    word = found.group(1)
+    keeps = FINITE_FORMS.get(word) in _DIRECTED or GERUNDS.get(word) in _DIRECTED or word in {"the", "to"}
+    return found.group() if keeps else f"{word} "
 
 
-def _opening_verb(word: str, following: str, *, gerunds: bool) -> str | None:
-    """The base of a motion verb that begins a clause, None for any other word."""
-    if word in GERUNDS:
-        return GERUNDS[word] if gerunds and following not in _JACKS else None
-    return FINITE_FORMS.get(word)
+def _perfect(found: re.Match[str]) -> str:
+    """ "he has turned" to "he turns"; "he has raised arms" too, "he has his arms up" stays."""
+    base = FINITE_FORMS.get(found.group(3)) or PARTICIPLES.get(found.group(3))
+    return found.group() if base is None else f"{found.group(1)}{found.group(2)}{third_person(base)}"
 
 
-def _noun_action(found: re.Match[str]) -> str:
-    """ "a bow" to "does a bow", "after a bow" to "after doing a bow"; other nouns are left alone."""
-    opener, quantity, noun = found.groups()
-    compound = " " in noun
-    if not compound and not (quantity and noun in FINITE_FORMS):
-        return found.group()
-    verb = "doing" if opener.strip() in {"after", "before"} else f"{SUBJECT} does"
-    return f"{opener}{verb} {quantity}{noun}"
+def _having(found: re.Match[str]) -> str:
+    """ "after having bowed" to "after bowing"; "having bowed, he ..." to "after bowing, he ..."."""
+    opener, link, word = found.groups()
+    base = FINITE_FORMS.get(word) or PARTICIPLES.get(word)
+    return found.group() if base is None else f"{opener or ''}{link or 'after '}{gerund(base)}"
 
 
-def _limb_subject(found: re.Match[str]) -> str:
-    """ "the left hand waves" to "he waves with the left hand", "the left arm is raised" to "he raises the left arm"."""
-    opener, limb, passive, verb = found.groups()
-    base = FINITE_FORMS.get(verb) or GERUNDS.get(verb)
-    if base is None:
-        return found.group()
-    return f"{opener}{SUBJECT} {third_person(base)} {'' if passive and verb in FINITE_FORMS else 'with '}{limb}"
-
-
-def _trailing_adverbs(words: list[str]) -> int:
-    count = 0
-    while count < len(words) and _ADVERB.fullmatch(words[-1 - count]):
-        count += 1
-    return count
+def _starts_by(found: re.Match[str]) -> str:
+    return "" if found.group(1) in GERUNDS else found.group()
