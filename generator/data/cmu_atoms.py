@@ -77,7 +77,7 @@ def mirror_params(params: dict[str, Any]) -> dict[str, Any]:
     out: dict[str, Any] = {
         key: mirror_words(value) if isinstance(value, str) else value for key, value in params.items()
     }
-    for key in ("angle", "curve", "azimuth"):
+    for key in ("angle", "aside", "curve", "azimuth"):
         if key in params:
             out[key] = -params[key]
     return out

@@ -462,3 +462,22 @@ def test_bad_input_is_refused_with_the_valid_choices():
     with pytest.raises(InvalidOption, match="stands already"):
         perform(scene, "stand_up")
     assert scene.time == 0.0
+
+
+@pytest.mark.parametrize(("aside", "angle"), [(0.4, 0.0), (-0.3, 0.0), (0.0, 90.0), (0.0, -180.0)])
+def test_a_jump_goes_aside_and_turns_as_told(aside: float, angle: float) -> None:
+    scene = Scene(seed=2)
+    perform(scene, "jump", aside=aside, angle=angle)
+    pose = scene.solve()
+    assert np.degrees(pose["heading"][-1]) == pytest.approx(angle, abs=5)
+    moved = pose["root"][-1, 1] - pose["root"][0, 1]
+    assert angle or moved == pytest.approx(aside, abs=0.08)
+    feet = [pose[f"foot_{side}"] for side in ("left", "right")]
+    assert np.linalg.norm((feet[0] - feet[1])[-1, :2]) == pytest.approx(np.linalg.norm((feet[0] - feet[1])[0, :2]))
+
+
+def test_hops_forward_travel_on_one_leg() -> None:
+    scene = Scene(seed=2)
+    perform(scene, "hop", side="left", count=3, distance=0.3)
+    left = scene.solve()["foot_left"]
+    assert left[-1, 0] - left[0, 0] == pytest.approx(0.9, abs=0.05)

@@ -4,13 +4,14 @@ from typing import Annotated
 
 import numpy as np
 
-from generator.data.actions.registry import Count, Range, Speed, action
+from generator.data.actions.registry import Angle, Count, Range, Speed, action
 from generator.data.actions.support import on_one_leg, stand_evenly
 from generator.data.body import BALL_HEIGHT, OTHER, SIDES, SIGN, Floats, Side, aim
 from generator.data.scene import Scene
 
 JumpHeight = Annotated[float, Range(0.03, 0.5)]
 JumpDistance = Annotated[float, Range(-0.8, 1.2)]
+HopDistance = Annotated[float, Range(-0.3, 0.6)]
 _GRAVITY = 9.81
 
 
@@ -49,17 +50,21 @@ def jump(
     count: Count = 1,
     height: JumpHeight = 0.25,
     distance: JumpDistance = 0.0,
+    aside: JumpDistance = 0.0,
+    angle: Angle = 0.0,
     speed: Speed = 1.0,
 ) -> float:
-    """Jump in place or by `distance` m (forward positive): crouch, swing the arms, fly, land softly."""
+    """Jump in place or by `distance` m forward and `aside` m to the left, turning by `angle` degrees to the left.
+
+    Crouch, swing the arms, fly, land softly.
+    """
     for i in range(count):
         dip, push, rise = scene.vary(0.5) / speed, scene.vary(0.26), scene.vary(height, 0.06)
         depth, off = 0.20 + 0.25 * height, t + dip + push
-        goals: dict[Side, Floats] = {}
-        for s in SIDES:
-            home = scene.foot(s)
-            goals[s] = np.array([*scene.local(distance, 0, origin=home), BALL_HEIGHT, home[3]])
+        goals = _landing(scene, distance, aside, np.radians(angle))
+        heading = scene.heading
         landed = _fly(scene, off, rise, goals)
+        scene.move("heading", off - 0.1 * bool(angle), (landed, heading + np.radians(angle)))
         middle, settled = 0.5 * (off + landed), landed + 0.75
         scene.move(
             "crouch", t, (t + dip, depth), (off, 0.0), (middle, 0.05), (landed, 0.03), (landed + 0.17, 0.6 * depth),
@@ -86,6 +91,18 @@ def jump(
     return t
 
 
+def _landing(scene: Scene, forward: float, left: float, turn: float) -> dict[Side, Floats]:
+    """Where the feet (4,) land after a jump by so many m and rad, as far apart as they stand."""
+    centre, c, s = scene.centre, np.cos(turn), np.sin(turn)
+    middle = scene.local(forward, left)
+    goals: dict[Side, Floats] = {}
+    for side in SIDES:
+        foot = scene.foot(side)
+        place = middle + np.array([[c, -s], [s, c]]) @ (foot[:2] - centre)
+        goals[side] = np.array([*place, BALL_HEIGHT, foot[3] + turn])
+    return goals
+
+
 def _toes(off: float, landed: float, angle: float) -> list[tuple[float, float]]:
     """Roll keys: up on the toes to take off, toes first to land."""
     return [
@@ -97,8 +114,16 @@ def _toes(off: float, landed: float, angle: float) -> list[tuple[float, float]]:
 
 
 @action("whole")
-def hop(scene: Scene, t: float, *, side: Side = "right", count: Count = 3, speed: Speed = 1.0) -> float:
-    """Hop on one leg (`side`)."""
+def hop(
+    scene: Scene,
+    t: float,
+    *,
+    side: Side = "right",
+    count: Count = 3,
+    distance: HopDistance = 0.0,
+    speed: Speed = 1.0,
+) -> float:
+    """Hop on one leg (`side`), each time by `distance` m (forward positive)."""
     free = OTHER[side]
     t = on_one_leg(scene, t, side)
     ground, lifted = scene.foot(free), scene.foot(free)
@@ -109,7 +134,9 @@ def hop(scene: Scene, t: float, *, side: Side = "right", count: Count = 3, speed
     for _ in range(count):
         dip, push, height = scene.vary(0.26) / speed, 0.16, scene.vary(0.07)
         off = t + dip + push
-        landed = _fly(scene, off, height, {side: scene.foot(side), free: lifted}, tuck=0.15)
+        way = np.array([*(scene.local(distance, 0, origin=np.zeros(2))), 0.0, 0.0])
+        lifted, ground = lifted + way, ground + way
+        landed = _fly(scene, off, height, {side: scene.foot(side) + way, free: lifted}, tuck=0.15)
         scene.move(
             "crouch", t, (t + dip, 0.085), (off, 0.0), (landed, 0.02), (landed + 0.12, 0.07), (landed + 0.3, 0.03)
         )
