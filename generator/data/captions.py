@@ -149,6 +149,8 @@ def _turned(phrases: tuple[Phrase, ...], voice: Voice, rng: np.random.Generator)
         f"{subject} {a.third} followed by {b.gerund}",
         f"{subject} {b.third}, but first {_clause(a, voice)}",
     )
+    if any(" while " in phrase.marked or _TOGETHER in phrase.marked for phrase in phrases):
+        forms = forms[2:4]  # "b after a while c" leaves open which of them c goes with
     return _pick(forms, rng)
 
 

@@ -156,7 +156,7 @@ ENTRIES = (
         (
             "<stretch>",
             "<stretch> {poss} arms over {poss} head",
-            "<stretch> both arms overhead and <lean> to each side",
+            "<stretch> both arms overhead while leaning to each side",
             "<stretch> {poss} arms",
             "<stretch> {poss} body from side to side",
             "<do> a stretch",
