@@ -101,8 +101,8 @@ class Timings:
 class Pipeline:
     """Text understanding, generator, retargeter and judge for one robot; models load once, for many prompts."""
 
-    def __init__(self, robot: RobotDescription) -> None:
-        self.robot = robot
+    def __init__(self, robot: RobotDescription, *, llm: str | None = None, llm_model: str = "qwen3:8b") -> None:
+        self.robot, self.llm, self.llm_model = robot, llm, llm_model
         self._stages: dict[str, Any] = {}
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
@@ -113,10 +113,16 @@ class Pipeline:
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
         from generator.generate import WEIGHTS_FOLDER
-        from generator.text.understanding import Understanding
+        from generator.text.understanding import Understanding, segmenter
 
-        understanding = self._stage("understanding", lambda: Understanding(WEIGHTS_FOLDER, self._encoder))
-        return understanding.segments(prompt, anyway=anyway)
+        understanding = self._stage(
+            "understanding",
+            lambda: Understanding(WEIGHTS_FOLDER, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
+        )
+        understood = understanding.read(prompt, anyway=anyway)
+        for note in understood.notes:
+            say(note)
+        return understood.segments, understood.known
 
     def generate(
         self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int
@@ -194,6 +200,10 @@ class Run(Command):
     video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Try a sentence outside what the model knows."""
+    llm: str | None = None
+    """Let a language model split the sentence: base address of an OpenAI-compatible endpoint."""
+    llm_model: str = "qwen3:8b"
+    """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
         from ros_free_stack.files import make_folder
@@ -205,7 +215,7 @@ class Run(Command):
             from hw.stream import check_port
 
             check_port(self.servo, robot)
-        timings, pipeline = Timings(), Pipeline(robot)
+        timings, pipeline = Timings(), Pipeline(robot, llm=self.llm, llm_model=self.llm_model)
         with timings.measure("text"):
             segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
         make_folder(self.out)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from ros_free_stack.console import Command
+from ros_free_stack.console import Command, say
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,17 +80,24 @@ class Generate(Command):
     """Folder of trained models; the ones that come with the program where not given."""
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Try a sentence outside what the model knows."""
+    llm: str | None = None
+    """Let a language model split the sentence: base address of an OpenAI-compatible endpoint."""
+    llm_model: str = "qwen3:8b"
+    """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
         from generator.generate import WEIGHTS_FOLDER, MotionGenerator
-        from generator.text.understanding import Understanding
+        from generator.text.understanding import Understanding, segmenter
         from ros_free_stack.files import make_folder, save_motion
 
         folder = self.weights or WEIGHTS_FOLDER
-        segments, _ = Understanding(folder).segments(self.prompt, anyway=self.anyway)
+        understanding = Understanding(folder, segmenter=lambda: segmenter(self.llm, self.llm_model))
+        understood = understanding.read(self.prompt, anyway=self.anyway)
+        for note in understood.notes:
+            say(note)
         make_folder(self.out.parent)
         motions = MotionGenerator.load(folder).generate(
-            self.prompt, segments, seed=self.seed, candidates=self.candidates, duration_s=self.duration
+            self.prompt, understood.segments, seed=self.seed, candidates=self.candidates, duration_s=self.duration
         )
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
