@@ -1,4 +1,4 @@
-"""Building the corpus: every clip from its own seed, split by the order of its actions, written as one folder.
+"""Building the corpus: every pair of clips from its own seed, split by the order of actions, written as one folder.
 
 The test set asks for compositions that training never shows: about 8 % of all ordered pairs of actions are held out
 for it and 4 % for validation. Which ones depends on their names alone. Clips of a single action are in every split.
@@ -13,16 +13,18 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 
-from generator.data.cmu_atoms import Atom, load_atoms
+from generator.data.cmu_atoms import Atom, load_atoms, mirror_params
 from generator.data.compose import ComposedClip, compose_clip, plain
-from generator.data.dataset import VERSION, Clip, clip_to_json
+from generator.data.dataset import VERSION, Caption, Clip, clip_to_json
 from generator.data.features import CHANNELS, encode, to_float16
+from generator.data.mirror import mirror_words
+from generator.data.mirrored_features import mirror_features
 from ros_free_stack.console import progress, say
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import make_folder, write_json
@@ -37,8 +39,8 @@ WEIGHTS: Final = {"authored": 1.0, "mixed": 1.2, "cmu": 1.5}
 
 
 @dataclass(frozen=True)
-class _Made:
-    """A clip with its features, not yet placed in the file."""
+class Made:
+    """A clip that starts at row 0, with its (length, 263) float16 features, not yet placed in the file."""
 
     clip: Clip
     rows: np.ndarray
@@ -59,13 +61,35 @@ def clip_split(names: tuple[str, ...], chance: float) -> str:
     return next(split for split in ("test", "val", "train") if split in splits)
 
 
-def make_clip(seed: int, index: int, atoms: tuple[Atom, ...] = ()) -> tuple[Clip, np.ndarray]:
-    """Clip number `index` of the corpus with that seed, starting at row 0, and its (length, 263) float16 features."""
-    rng = np.random.default_rng([seed, index])
+def make_twins(seed: int, number: int, atoms: tuple[Atom, ...] = ()) -> tuple["Made", "Made"]:
+    """Clips 2 `number` and 2 `number` + 1 of the corpus with that seed: a performance and its reflection.
+
+    Reflecting costs nothing beside composing, and shows every deed with either side.
+    """
+    rng = np.random.default_rng([seed, number])
     composed = compose_clip(rng, atoms)
     rows = to_float16(encode(composed.joints))
     split = clip_split(composed.names, float(rng.random()))
-    return _label(composed, index, split, len(rows)), rows
+    clip = _label(composed, 2 * number, split, len(rows))
+    return Made(clip, rows), Made(mirror_clip(clip, 2 * number + 1), mirror_features(rows).astype(np.float16))
+
+
+def mirror_clip(clip: Clip, index: int) -> Clip:
+    """The labels of a reflected clip, under another number."""
+    segments = tuple(
+        replace(
+            segment,
+            text=mirror_words(segment.text),
+            arms=mirror_words(segment.arms),
+            legs=mirror_words(segment.legs),
+            actions=tuple((name, mirror_params(params)) for name, params in segment.actions),
+        )
+        for segment in clip.segments
+    )
+    captions = tuple(
+        Caption(mirror_words(caption.text), tuple(map(mirror_words, caption.segments))) for caption in clip.captions
+    )
+    return replace(clip, id=f"{index:06d}", segments=segments, captions=captions)
 
 
 def _label(composed: ComposedClip, index: int, split: str, length: int) -> Clip:
@@ -160,10 +184,12 @@ def _finish(array: BinaryIO, rows: int) -> None:
     array.write(_header(rows))
 
 
-def _make_all(clips: int, seed: int, atoms: tuple[Atom, ...], workers: int) -> Iterator[_Made]:
-    """All clips in order; each depends on the seed and its number only."""
+def _make_all(clips: int, seed: int, atoms: tuple[Atom, ...], workers: int) -> Iterator[Made]:
+    """All clips in order; each pair depends on the seed and its number only."""
+    pairs = range((clips + 1) // 2)
     if workers == 1:
-        yield from (_Made(*make_clip(seed, index, atoms)) for index in range(clips))
+        made = chain.from_iterable(make_twins(seed, number, atoms) for number in pairs)
+        yield from islice(made, clips)
         return
     context = multiprocessing.get_context("spawn")
     # Processes share the cores already: threads inside each would only get in each other's way.
@@ -171,7 +197,7 @@ def _make_all(clips: int, seed: int, atoms: tuple[Atom, ...], workers: int) -> I
     os.environ.update(dict.fromkeys(kept, "1"))
     try:
         with context.Pool(workers, _start_worker, (seed, atoms)) as pool:
-            yield from pool.imap(_work, range(clips), chunksize=16)
+            yield from islice(chain.from_iterable(pool.imap(_work, pairs, chunksize=8)), clips)
     finally:
         for name, value in kept.items():
             os.environ.pop(name) if value is None else os.environ.update({name: value})
@@ -184,8 +210,8 @@ def _start_worker(seed: int, atoms: tuple[Atom, ...]) -> None:
     _WORK.update(seed=seed, atoms=atoms)
 
 
-def _work(index: int) -> _Made:
-    return _Made(*make_clip(_WORK["seed"], index, _WORK["atoms"]))
+def _work(number: int) -> tuple[Made, Made]:
+    return make_twins(_WORK["seed"], number, _WORK["atoms"])
 
 
 def describe(manifest: dict[str, Any]) -> str:

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from generator.data import build
-from generator.data.build import build_dataset, clip_split, describe, make_clip, pair_split
+from generator.data.build import build_dataset, clip_split, describe, make_twins, pair_split
 from generator.data.dataset import MotionDataset
+from generator.data.features import decode
+from generator.data.mirror import mirror_joints, mirror_words
 from generator.data.vocabulary import VOCABULARY
 from ros_free_stack.errors import InvalidFile, InvalidOption
 
@@ -31,10 +33,24 @@ def test_each_clip_is_where_the_index_says(folder: Path) -> None:
     data = MotionDataset.open(folder)
     assert data.manifest["clips"] == len(data.clips) == 12
     for index in (0, 7):
-        clip, rows = make_clip(3, index)
-        assert np.array_equal(data.features(data.clips[index]), rows.astype(np.float32))
-        assert data.clips[index].captions == clip.captions
+        made = make_twins(3, index // 2)[index % 2]
+        assert np.array_equal(data.features(data.clips[index]), made.rows.astype(np.float32))
+        assert data.clips[index].captions == made.clip.captions
     assert describe(data.manifest).startswith("12 clips")
+
+
+def test_every_second_clip_is_the_reflection_of_the_one_before(folder: Path) -> None:
+    data = MotionDataset.open(folder)
+    for clip, twin in zip(data.clips[::2], data.clips[1::2], strict=True):
+        joints = mirror_joints(decode(data.features(clip)))
+        np.testing.assert_allclose(decode(data.features(twin)), joints, atol=1e-9)
+        assert twin.split == clip.split
+        assert [mirror_words(caption.text) for caption in clip.captions] == [c.text for c in twin.captions]
+        for segment, other in zip(clip.segments, twin.segments, strict=True):
+            assert mirror_words(segment.text) == other.text
+            sides = [params.get("side") for _, params in segment.actions]
+            opposite = {"left": "right", "right": "left"}
+            assert [params.get("side") for _, params in other.actions] == [opposite.get(s, s) for s in sides]
 
 
 def test_about_an_eighth_of_the_ordered_pairs_is_held_out() -> None:
@@ -68,7 +84,7 @@ def test_a_build_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     def fail(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(build, "make_clip", fail)
+    monkeypatch.setattr(build, "make_twins", fail)
     with pytest.raises(OSError, match="no space"):
         build_dataset(tmp_path / "data", clips=2, seed=0, cmu=None, workers=1)
     assert list(tmp_path.iterdir()) == []

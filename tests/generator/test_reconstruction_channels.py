@@ -12,7 +12,7 @@ import pytest
 
 from generator import weights
 from generator.config import TokenizerConfig
-from generator.data.build import make_clip
+from generator.data.build import make_twins
 from generator.data.dataset import MotionDataset
 from generator.data.features import CHANNELS
 from generator.generate import WEIGHTS_FOLDER
@@ -34,10 +34,10 @@ def errors() -> np.ndarray:
     saved = weights.load(folder, "tokenizer")
     tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig)).eval()
     saved.fill(tokenizer)
-    made = [make_clip(SEED, index) for index in range(CLIPS)]
-    starts = itertools.accumulate((clip.length for clip, _ in made), initial=0)
-    clips = tuple(replace(clip, start=start) for (clip, _), start in zip(made, starts, strict=False))
-    held = MotionDataset(Path(), clips, np.concatenate([rows for _, rows in made]), {})
+    made = [twin for number in range(CLIPS // 2) for twin in make_twins(SEED, number)]
+    starts = itertools.accumulate((twin.clip.length for twin in made), initial=0)
+    clips = tuple(replace(twin.clip, start=start) for twin, start in zip(made, starts, strict=False))
+    held = MotionDataset(Path(), clips, np.concatenate([twin.rows for twin in made]), {})
     return channel_errors(tokenizer, held, clips)
 
 
