@@ -48,9 +48,9 @@ def test_every_second_clip_is_the_reflection_of_the_one_before(folder: Path) -> 
         assert [mirror_words(caption.text) for caption in clip.captions] == [c.text for c in twin.captions]
         for segment, other in zip(clip.segments, twin.segments, strict=True):
             assert mirror_words(segment.text) == other.text
-            sides = [params.get("side") for _, params in segment.actions]
+            sides = [str(params.get("side")) for _, params in segment.actions]
             opposite = {"left": "right", "right": "left"}
-            assert [params.get("side") for _, params in other.actions] == [opposite.get(s, s) for s in sides]
+            assert [str(params.get("side")) for _, params in other.actions] == [opposite.get(s, s) for s in sides]
 
 
 def test_about_an_eighth_of_the_ordered_pairs_is_held_out() -> None:
