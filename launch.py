@@ -42,6 +42,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "data show": ("generator.data.cli:DataShow", "draw one clip of the corpus"),
     "data coverage": ("generator.data.cli:DataCoverage", "what of real captions the corpus can say"),
     "train": ("generator.cli:Train", "train a model of the generator"),
+    "evaluate": ("generator.evaluation.cli:Evaluate", "measure the generator against real motion"),
     "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),
     "robots show": ("ros_free_stack.cli:RobotsShow", "one robot's joints and limits"),
     "servos scan": ("hw.cli:ServosScan", "which servos answer on a port"),

@@ -1,0 +1,148 @@
+"""The subcommand `evaluate`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from ros_free_stack.console import Command
+
+if TYPE_CHECKING:
+    from generator.evaluation.embedder import Embedder
+    from generator.evaluation.pairs import Pair
+
+ROWS = ("real", "reconstruction", "generated")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate(Command):
+    """Measure the generator: R-precision, FID, diversity and coherence, real motion first."""
+
+    weights: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
+    """Folder of trained models; name several to compare them. The ones that come with the program where not given."""
+    dataset: Path | None = None
+    """Folder of the motion data set (made by `data build`)."""
+    official: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder with HumanML3D, GloVe and T2M's networks as published: the papers' own numbers, in place of a data set
+    and an evaluator of this project."""
+    evaluator: Path | None = None
+    """Folder of a trained evaluator; the one that comes with the program where not given."""
+    split: Literal["train", "val", "test"] = "test"
+    """Which clips."""
+    clips: int | None = None
+    """How many of them, drawn by the seed; all where not given."""
+    rows: str = ",".join(ROWS)
+    """What is measured: real motion, the tokenizer's reconstruction of it, motion generated from its texts."""
+    runs: int = 20
+    """Runs over newly drawn pools, for the 95 % interval."""
+    generations: int = 1
+    """How often motions are generated; the papers do so for every run, which takes as many times as long."""
+    multimodality: Annotated[int, tyro.conf.arg(metavar="TEXTS")] = 0
+    """Also generate 30 motions for each of so many texts and measure how much they differ; papers take 100."""
+    seed: int = 0
+    """Seed of clips, captions, noise and pools."""
+    device: str = "auto"
+    """`cpu`, `cuda`, or `auto`: the GPU where there is one."""
+    out: Path | None = None
+    """Also write the result as JSON to this file."""
+
+    def run(self) -> int:
+        from generator.evaluation.evaluation import Evaluation
+        from generator.evaluation.table import table
+        from generator.generate import WEIGHTS_FOLDER
+        from generator.training.stages import choose_device
+        from ros_free_stack.files import write_json
+
+        wanted = self._checked_rows()
+        device = choose_device(self.device)
+        pairs, embedder = self._material(WEIGHTS_FOLDER / "evaluator", device, split_texts="generated" in wanted)
+        evaluation = Evaluation(pairs, embedder, runs=self.runs, seed=self.seed)
+        rows = {"real": evaluation.real_scores()} if "real" in wanted else {}
+        folders = self.weights or (WEIGHTS_FOLDER,)
+        for folder in folders:
+            place = _suffix(folder, folders)
+            if "reconstruction" in wanted:
+                rows[f"reconstruction{place}"] = evaluation.reconstruction_scores(folder / "tokenizer", device)
+            if "generated" in wanted:
+                rows[f"generated{place}"] = evaluation.generated_scores(
+                    folder, device, generations=self.generations, multimodal_texts=self.multimodality
+                )
+        result = {
+            "embedder": embedder.name,
+            "clips": len(pairs),
+            "distinct_captions": len({pair.text for pair in pairs}),
+            "runs": self.runs,
+            "generations": self.generations,
+            "rows": {name: {metric: asdict(score) for metric, score in row.items()} for name, row in rows.items()},
+        }
+        if self.out:
+            write_json(self.out, result)
+        title = f"{embedder.name}, {len(pairs)} clips, {result['distinct_captions']} distinct captions, pools of 32"
+        self.report(result, table(rows, title), *([f"wrote {self.out}"] if self.out else []))
+        return 0
+
+    def _checked_rows(self) -> tuple[str, ...]:
+        """The rows that are wanted, once the options are seen to be usable."""
+        from ros_free_stack.errors import InvalidOption, UnknownName
+
+        for option, value, least in (
+            ("--runs", self.runs, 1),
+            ("--generations", self.generations, 1),
+            ("--multimodality", self.multimodality, 0),
+        ):
+            if value < least:
+                raise InvalidOption(option, f"must be at least {least}, found {value}")
+        if (self.dataset is None) == (self.official is None):
+            raise InvalidOption("--dataset / --official", "give one of them: a data set folder, or the published files")
+        if self.official is not None and self.evaluator is not None:
+            raise InvalidOption("--evaluator", "does not go with --official, which brings its own")
+        wanted = tuple(row.strip() for row in self.rows.split(","))
+        for row in wanted:
+            if row not in ROWS:
+                raise UnknownName("row", row, ROWS)
+        return wanted
+
+    def _material(self, evaluator: Path, device: str, *, split_texts: bool) -> "tuple[Sequence[Pair], Embedder]":
+        """What is measured, and the space it is measured in."""
+        from generator.data.dataset import MotionDataset
+        from generator.evaluation.embedder import CorpusEmbedder
+        from generator.evaluation.official import OfficialEmbedder, OfficialFiles
+        from generator.evaluation.pairs import corpus_pairs
+        from generator.evaluation.published import published_pairs
+
+        if self.official is None:
+            assert self.dataset is not None
+            embedder = CorpusEmbedder.load(self.evaluator or evaluator, device)
+            dataset = MotionDataset.open(self.dataset)
+            return corpus_pairs(dataset, self.split, clips=self.clips, seed=self.seed), embedder
+        files = OfficialFiles.find(self.official)
+        embedder = OfficialEmbedder(files, device)
+        segments = _sentence_splitter() if split_texts else None
+        pairs = published_pairs(files.dataset, self.split, clips=self.clips, seed=self.seed, segments=segments)
+        return pairs, embedder
+
+
+def _suffix(folder: Path, folders: Sequence[Path]) -> str:
+    """What tells a folder's rows from the others': its name, or all of its path where two have the same name."""
+    if len(folders) == 1:
+        return ""
+    unique = len({other.name for other in folders}) == len(folders)
+    return f", {folder.name if unique else folder}"
+
+
+def _sentence_splitter() -> Callable[[str], tuple[str, ...]]:
+    """A sentence to its segments; one that the splitter refuses is its own and only segment."""
+    from generator.text.splitter import Splitter
+    from ros_free_stack.errors import InvalidPrompt
+
+    splitter = Splitter()
+
+    def split(text: str) -> tuple[str, ...]:
+        try:
+            return splitter.split(text)
+        except InvalidPrompt:
+            return (text,)
+
+    return split
