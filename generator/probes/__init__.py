@@ -1,0 +1,1 @@
+"""Kinematic probes: whether a motion does what the words say, from joint positions alone."""
