@@ -11,6 +11,10 @@ def _direction(params: Mapping[str, Any]) -> str:
 
 
 def _jumped(params: Mapping[str, Any]) -> str:
+    if angle := params.get("angle", 0.0):
+        return "turning left" if angle > 0 else "turning right"
+    if aside := params.get("aside", 0.0):
+        return "left" if aside > 0 else "right"
     if "distance" not in params:
         return ""
     return "forward" if params["distance"] > 0.1 else "backward" if params["distance"] < -0.1 else "up"
@@ -72,7 +76,15 @@ PROBES = (
         "jump",
         "",
         {"flights": above(1), "pelvis_low": below(0.8), "jump": above(0.07), "pelvis_high": above(1.06)},
-        {"up": {"ahead": within(-0.25, 0.25)}, "forward": {"ahead": above(0.25)}, "backward": {"ahead": below(-0.2)}},
+        {
+            "up": {"ahead": within(-0.25, 0.25), "aside": within(-0.2, 0.2)},
+            "left": {"aside": above(0.15)},
+            "right": {"aside": below(-0.15)},
+            "turning left": {"turned": above(50)},
+            "turning right": {"turned": below(-50)},
+            "forward": {"ahead": above(0.25)},
+            "backward": {"ahead": below(-0.2)},
+        },
         wanted=_jumped,
         count="flights",
     ),

@@ -19,6 +19,8 @@ _DIRECTIONS = {
     "right": "right|clockwise",
     "diagonal_left": "left",
     "diagonal_right": "right",
+    "turning left": "left",
+    "turning right": "right",
     "head": "head|overhead|hair",
 }
 _ANGLES = r"degrees|quarter|around|circle"
