@@ -41,6 +41,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "data build": ("generator.data.cli:DataBuild", "make the training corpus"),
     "data show": ("generator.data.cli:DataShow", "draw one clip of the corpus"),
     "data coverage": ("generator.data.cli:DataCoverage", "what of real captions the corpus can say"),
+    "ground": ("generator.grounding.cli:Ground", "where in a motion each part of a sentence happens"),
+    "caption": ("generator.grounding.cli:Caption", "the texts that a motion's segments are most like"),
     "train": ("generator.cli:Train", "train a model of the generator"),
     "evaluate": ("generator.evaluation.cli:Evaluate", "measure the generator against real motion"),
     "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),

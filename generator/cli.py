@@ -2,11 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from ros_free_stack.console import Command, say
+from ros_free_stack.errors import InvalidOption
+
+if TYPE_CHECKING:
+    from generator.generate import MotionGenerator
+    from ros_free_stack.messages import HumanMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,9 +19,10 @@ class Train(Command):
     """Train a model of the generator; interrupt it at will and go on with --resume."""
 
     stage: Annotated[
-        Literal["tokenizer", "mask", "residual", "durations", "evaluator", "domain", "all"], tyro.conf.Positional
+        Literal["tokenizer", "mask", "residual", "durations", "evaluator", "grounding", "domain", "all"],
+        tyro.conf.Positional,
     ]
-    """Which model; mask needs tokenizer, residual too. `domain` lists the known texts. `all` does all in turn."""
+    """Which model; mask, residual and grounding need tokenizer. `domain` lists the known texts. `all` does all."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""
     out: Path
@@ -76,6 +82,16 @@ class Generate(Command):
     """How many motions to make."""
     duration: float | None = None
     """Total duration in s, 2 to 9.8; from the sentence where not given."""
+    durations: tuple[float, ...] | None = None
+    """Duration of each segment in s instead, in temporal order."""
+    start: Path | None = None
+    """Motion to go on from: the new one begins where its last frame ends, without a jump."""
+    edit: Path | None = None
+    """Motion of which --range is made anew from the sentence; the rest stays."""
+    range: tuple[float, float] | None = None
+    """Start and end in s of what --edit makes anew."""
+    then: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """A sentence to append, which goes on from where the last one ends; give it as often as you like."""
     weights: Path | None = None
     """Folder of trained models; the ones that come with the program where not given."""
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -90,15 +106,17 @@ class Generate(Command):
         from generator.text.understanding import Understanding, segmenter
         from ros_free_stack.files import make_folder, save_motion
 
+        self._check()
         folder = self.weights or WEIGHTS_FOLDER
         understanding = Understanding(folder, segmenter=lambda: segmenter(self.llm, self.llm_model))
-        understood = understanding.read(self.prompt, anyway=self.anyway)
-        for note in understood.notes:
-            say(note)
+        sentences: list[tuple[str, tuple[str, ...]]] = []
+        for prompt in (self.prompt, *self.then):
+            understood = understanding.read(prompt, anyway=self.anyway)
+            for note in understood.notes:
+                say(note)
+            sentences.append((prompt, understood.segments))
         make_folder(self.out.parent)
-        motions = MotionGenerator.load(folder).generate(
-            self.prompt, understood.segments, seed=self.seed, candidates=self.candidates, duration_s=self.duration
-        )
+        motions = self._motions(MotionGenerator.load(folder), sentences)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
@@ -106,3 +124,49 @@ class Generate(Command):
         found = {"files": [str(path) for path in paths], "segments": [vars(s) for s in motions[0].segments]}
         self.report(found, *lines, *(f"wrote {path}" for path in paths))
         return 0
+
+    def _check(self) -> None:
+        """InvalidOption where options do not go together."""
+        if (self.edit is None) != (self.range is None):
+            raise InvalidOption("--edit", "needs --range START END, and --range needs --edit MOTION")
+        for option, given in (("--start", self.start), ("--duration", self.duration), ("--durations", self.durations)):
+            if given is not None and (self.edit is not None or (self.then and option != "--start")):
+                raise InvalidOption(option, "cannot be combined with --edit or --then")
+        if self.duration is not None and self.durations is not None:
+            raise InvalidOption("--durations", "cannot be combined with --duration")
+        if self.edit is not None and self.then:
+            raise InvalidOption("--then", "cannot be combined with --edit")
+        if self.then and self.candidates != 1:
+            raise InvalidOption("--candidates", "cannot be combined with --then")
+
+    def _motions(
+        self, generator: "MotionGenerator", sentences: list[tuple[str, tuple[str, ...]]]
+    ) -> "tuple[HumanMotion, ...]":
+        """The motions of the sentences and their segments, as the options ask for them."""
+        from generator.continuous import Continuation, concatenated
+        from ros_free_stack.files import load_motion
+
+        (prompt, segments), *_ = sentences
+        start = None if self.start is None else load_motion(self.start)
+        if self.edit is not None and self.range is not None:
+            return generator.edit(
+                load_motion(self.edit),
+                prompt,
+                segments,
+                start_s=self.range[0],
+                end_s=self.range[1],
+                seed=self.seed,
+                candidates=self.candidates,
+            )
+        if self.then:
+            continuation = Continuation(generator, self.seed, start)
+            return (concatenated([continuation.append(prompt, segments) for prompt, segments in sentences]),)
+        return generator.generate(
+            prompt,
+            segments,
+            seed=self.seed,
+            candidates=self.candidates,
+            duration_s=self.duration,
+            durations_s=self.durations,
+            start=start,
+        )

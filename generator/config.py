@@ -143,6 +143,8 @@ class Preset:
     durations_training: Training
     evaluator: EvaluatorConfig
     evaluator_training: Training
+    grounding: TransformerConfig
+    grounding_training: Training
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,12 @@ class Sampling:
 _SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=6)
 _FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
 
+
+def _textless(config: TransformerConfig) -> TransformerConfig:
+    """Of a model that is aligned with texts and never sees one."""
+    return replace(config, conditioning="segments", condition_dropout=1.0)
+
+
 PRESETS: dict[str, Preset] = {
     "small": Preset(
         tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=128, quantizers=6, quantizer_dropout=0.4),
@@ -183,6 +191,8 @@ PRESETS: dict[str, Preset] = {
         durations_training=Training(256, 3_000, 1e-3, ema=0.99),
         evaluator=EvaluatorConfig(128, 2, 4, 128),
         evaluator_training=Training(128, 2_000, 1e-3, ema=0.99),
+        grounding=_textless(replace(_SMALL_MASK, width=128, layers=2, feed_forward=256)),
+        grounding_training=Training(64, 4_000, 1e-3, alignment="batch"),
     ),
     "full": Preset(
         tokenizer=TokenizerConfig("strided", 512, 3, 3, codes=512, code_width=512, quantizers=6),
@@ -195,6 +205,8 @@ PRESETS: dict[str, Preset] = {
         durations_training=Training(256, 10_000, 1e-3, ema=0.99),
         evaluator=EvaluatorConfig(512, 4, 8, 512),
         evaluator_training=Training(256, 20_000, 2e-4, warm_up=500),
+        grounding=_textless(replace(_FULL_MASK, layers=4)),
+        grounding_training=Training(256, 40_000, 2e-4, warm_up=2000, alignment="batch"),
     ),
 }
 

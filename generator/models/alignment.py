@@ -35,17 +35,18 @@ class SegmentAlignment(nn.Module):
         Args:
             lengths: (B, A) tokens of each segment, 0 where there is none.
         """
-        return self._embed(*aggregate(hidden, lengths))
+        return self.embed(*aggregate(hidden, lengths))
 
     def token_embeddings(self, hidden: Tensor) -> Tensor:
         """Unit vectors (B, T, W) of motion tokens, each taken as a segment of its own."""
-        return self._embed(hidden, hidden)
+        return self.embed(hidden, hidden)
 
     def text_embeddings(self, texts: Tensor) -> Tensor:
         """Unit vectors (..., W) of text tokens (..., W)."""
         return functional.normalize(self.text(texts).float(), dim=-1)
 
-    def _embed(self, mean: Tensor, largest: Tensor) -> Tensor:
+    def embed(self, mean: Tensor, largest: Tensor) -> Tensor:
+        """Unit vectors (..., W) of segments from the mean and the maximum (..., W) of their tokens."""
         return functional.normalize(self.motion(torch.cat([mean, largest], dim=-1)).float(), dim=-1)
 
     def loss(self, kind: AlignmentKind, hidden: Tensor, sentence: Tensor, segments: Tensor, lengths: Tensor) -> Tensor:

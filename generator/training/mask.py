@@ -23,14 +23,15 @@ class MaskObjective:
         InvalidOption: segments are to be aligned in a model that reads no segments.
     """
 
-    name = "mask"
-
-    def __init__(self, corpus: TokenCorpus, config: TransformerConfig, training: Training, seed: int) -> None:
+    def __init__(
+        self, corpus: TokenCorpus, config: TransformerConfig, training: Training, seed: int, name: str = "mask"
+    ) -> None:
         if config.conditioning == "sentence" and training.alignment not in ("none", "global"):
             raise InvalidOption(
                 "alignment", f"a model that reads the sentence alone knows none or global, found {training.alignment}"
             )
-        self.config, self.facts = config, {**corpus.facts(), "training": asdict(training)}
+        self.name, self.config = name, config
+        self.facts = {**corpus.facts(), "training": asdict(training)}
         self.model: Any = MaskTransformer(config)
         self.model.conditioning.fit(*corpus.training_texts())
         self._training = training
@@ -49,7 +50,7 @@ class MaskObjective:
         with torch.random.fork_rng():
             torch.manual_seed(VALIDATION_SEED)
             for batch in self._held:
-                keep = torch.ones(len(batch.motion_segments), dtype=torch.bool)
+                keep = torch.full((len(batch.motion_segments),), self.config.condition_dropout < 1)
                 for name, value in self._losses(model, batch, keep, keep).items():
                     sums[name] = sums.get(name, 0.0) + float(value) / len(self._held)
         return sums

@@ -12,7 +12,7 @@ from generator.training.loop import Objective, Run, train
 from ros_free_stack.console import say
 from ros_free_stack.errors import UnknownName
 
-STAGES: Final = ("tokenizer", "mask", "residual", "durations", "evaluator")
+STAGES: Final = ("tokenizer", "mask", "residual", "durations", "evaluator", "grounding")
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,16 @@ class Job:
         parameters = sum(parameter.numel() for parameter in objective.model.parameters())
         say(f"{self.stage}: {parameters / 1e6:.2f} M parameters, {objective.facts['clips']} clips, on {self.device}")
         run = Run(self.iterations or training.iterations, self.minutes, self.device, self.seed, self.resume)
-        return train(objective, training, self.out / self.stage, run)
+        result = train(objective, training, self.out / self.stage, run)
+        if self.stage == "grounding" and result["finished"]:
+            self._embed_known_texts()
+        return result
+
+    def _embed_known_texts(self) -> None:
+        from generator.grounding.space import AlignedSpace
+        from generator.grounding.texts import KnownTexts
+
+        KnownTexts.fit(self.dataset, AlignedSpace.load(self.out)).save(self.out / self.stage)
 
 
 def choose_device(name: str) -> str:
@@ -83,6 +92,10 @@ def _objective(job: Job, models: Preset) -> Objective:
         from generator.training.mask import MaskObjective
 
         return MaskObjective(corpus, models.mask, training, job.seed)
+    if job.stage == "grounding":
+        from generator.training.mask import MaskObjective
+
+        return MaskObjective(corpus, models.grounding, training, job.seed, name="grounding")
     from generator.training.residual import ResidualObjective
 
     return ResidualObjective(corpus, models.residual, training, job.seed)

@@ -49,6 +49,8 @@ TINY = Preset(
     durations_training=replace(_TRAINING, alignment="none"),
     evaluator=EvaluatorConfig(16, 1, 4, 8),
     evaluator_training=replace(_TRAINING, alignment="none"),
+    grounding=replace(_TRANSFORMER, conditioning="segments", condition_dropout=1.0),
+    grounding_training=replace(_TRAINING, alignment="batch"),
 )
 
 

@@ -44,8 +44,10 @@ def tiny_joints(actions: list[str], frames: int, rng: np.random.Generator) -> np
     return joints
 
 
-def write_tiny_dataset(folder: Path, clips: int = 24, seed: int = 0) -> Path:
-    """Write `clips` clips of one to three actions of 28 frames each; every fourth is held out."""
+def write_tiny_dataset(folder: Path, clips: int = 24, seed: int = 0, *, test_split: bool = False) -> Path:
+    """Write `clips` clips of two or three actions of 28 frames each; every fourth is for validation, and on request
+    every fourth for tests."""
+    splits = ("train", "train", "val", "test" if test_split else "train")
     folder.mkdir(parents=True, exist_ok=True)
     rng = np.random.default_rng(seed)
     rows, lines, start = [], [], 0
@@ -58,7 +60,7 @@ def write_tiny_dataset(folder: Path, clips: int = 24, seed: int = 0) -> Path:
             for i, text in enumerate(actions)
         ]  # fmt: skip
         lines.append({
-            "id": f"{number:06d}", "split": ("train", "train", "val", "train")[number % 4], "start": start,
+            "id": f"{number:06d}", "split": splits[number % 4], "start": start,
             "length": len(features), "source": "authored", "weight": 1.0, "segments": segments,
             "captions": [{"text": ", then ".join(actions), "segments": actions}],
         })  # fmt: skip

@@ -1,0 +1,136 @@
+"""How well text and motion segments find each other: retrieval, captions and grounding on the test split.
+
+python benchmarks/grounding.py --dataset data/corpus --weights generator/weights
+
+Retrieval is in pools of 32 in which no text comes twice. A caption is right if some training segment was told with that
+text and did the same, sides included. Grounding searches each text of a clip of two or more segments in the clip.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+import tyro
+from torch import Tensor
+
+from generator.data.dataset import Clip, LabelledSegment, MotionDataset
+from generator.generate import WEIGHTS_FOLDER
+from generator.grounding.consistency import consistency, recall
+from generator.grounding.search import TOKEN_S, ground
+from generator.grounding.space import AlignedSpace
+from generator.grounding.texts import KnownTexts
+from generator.models.segmentation import boundary_iou
+from generator.training.segmentation_table import segmentation_table
+from generator.training.text_cache import TextTable, text_table
+from ros_free_stack.console import progress
+
+POOL = 32
+Deed = tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arguments:
+    """Print the share of right answers."""
+
+    dataset: Path
+    """Folder of the motion data set."""
+    weights: Path = WEIGHTS_FOLDER
+    """Folder with tokenizer and grounding model."""
+    clips: int = 500
+    """How many test clips."""
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class Embedded:
+    """A test clip: hidden tokens (n, W), texts and motion segments (A, W) in the shared space, true lengths (A,)."""
+
+    clip: Clip
+    hidden: Tensor
+    texts: Tensor
+    segments: Tensor
+    lengths: np.ndarray
+
+
+def embed(dataset: MotionDataset, space: AlignedSpace, table: TextTable, count: int) -> list[Embedded]:
+    """The first test clips, each with its first caption."""
+    lengths, found = segmentation_table(dataset, "exact"), []
+    chosen = [i for i, clip in enumerate(dataset.clips) if clip.split == "test"][:count]
+    for number in progress(chosen, "embedding clips", total=len(chosen)):
+        clip = dataset.clips[number]
+        own = lengths[number][: len(clip.segments)]
+        tokens = space.tokenizer.encode(torch.from_numpy(dataset.features(clip))[None])[0, 0]
+        hidden = space.hidden(tokens)
+        texts = space.texts(table.embeddings[table.rows(clip.captions[0].segments)])
+        found.append(Embedded(clip, hidden, texts, space.segments(hidden, own.tolist()), own))
+    return found
+
+
+def deed(segment: LabelledSegment) -> Deed:
+    """Names and sides of a segment's actions."""
+    return tuple(sorted((name, str(parameters.get("side", ""))) for name, parameters in segment.actions))
+
+
+def deeds_of_texts(clips: Iterable[Clip]) -> dict[str, set[Deed]]:
+    """What the segments did that were told with each text."""
+    found: dict[str, set[Deed]] = defaultdict(set)
+    for clip in clips:
+        for caption in clip.captions:
+            for text, segment in zip(caption.segments, clip.segments, strict=True):
+                found[text].add(deed(segment))
+    return found
+
+
+def caption_hits(known: KnownTexts, embedded: list[Embedded], told: dict[str, set[Deed]], rank: int) -> float:
+    """Share of segments with a right text among the `rank` nearest."""
+    hits = [
+        any(deed(segment) in told[text] for text, _ in texts)
+        for item in embedded
+        for segment, texts in zip(item.clip.segments, known.nearest(item.segments, rank), strict=True)
+    ]
+    return float(np.mean(hits))
+
+
+def grounding_iou(space: AlignedSpace, embedded: list[Embedded]) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) IoU of the place of each text with the true one, and that of equal shares of the clip."""
+    found, shares = [], []
+    for item in embedded:
+        if len(item.lengths) == 1:
+            continue
+        ends = item.lengths.cumsum()
+        for place, start, end in zip(ground(space, item.hidden, item.texts), ends - item.lengths, ends, strict=True):
+            first, last = place.start_s / TOKEN_S, place.end_s / TOKEN_S
+            found.append(max(0.0, min(last, end) - max(first, start)) / (max(last, end) - min(first, start)))
+        equal = np.diff(np.arange(len(item.lengths) + 1) * ends[-1] // len(item.lengths))
+        shares.extend(boundary_iou(equal[None], item.lengths[None])[0])
+    return np.array(found), np.array(shares)
+
+
+def main(arguments: Arguments) -> None:
+    """Print the table."""
+    torch.set_num_threads(arguments.threads)
+    dataset, space = MotionDataset.open(arguments.dataset), AlignedSpace.load(arguments.weights)
+    known = KnownTexts.load(arguments.weights / "grounding")
+    table = text_table(dataset.path, (text for clip in dataset.clips for c in clip.captions for text in c.segments))
+    embedded = embed(dataset, space, table, arguments.clips)
+    texts, motions = (torch.cat([getattr(item, name) for item in embedded]) for name in ("texts", "segments"))
+    rows = np.concatenate([table.rows(item.clip.captions[0].segments) for item in embedded])
+    found = consistency(texts, motions)
+    print(f"{len(embedded)} clips, {len(texts)} segments; ISC {found.mean:.3f} (CV {found.variation:.2f})")
+    print("\n| retrieval | R@1 | R@5 |\n|---|---|---|")
+    for name, queries, targets in (("text to motion", texts, motions), ("motion to text", motions, texts)):
+        first, fifth = (recall(queries, targets, rows, rank=rank, pool=POOL, seed=0) for rank in (1, 5))
+        print(f"| {name}, pools of {POOL} (chance {1 / POOL:.1%}, {5 / POOL:.1%}) | {first:.1%} | {fifth:.1%} |")
+    told = deeds_of_texts(dataset.split("train"))
+    first, fifth = (caption_hits(known, embedded, told, rank) for rank in (1, 5))
+    print(f"| right deed and side among {len(known.texts)} known texts | {first:.1%} | {fifth:.1%} |")
+    iou, shares = grounding_iou(space, embedded)
+    above = np.mean(iou > 0.5)
+    print(f"\ngrounding: mean IoU {iou.mean():.3f}, above 0.5 in {above:.1%}; equal shares {shares.mean():.3f}")
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Arguments, description=__doc__))

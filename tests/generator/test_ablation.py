@@ -1,0 +1,64 @@
+"""The ablation trains its rows once, shares what they share, and leaves folders that the generator loads."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from benchmarks import ablation
+from benchmarks.ablation import Arguments, run, segmentation_rows, show
+from generator.config import PRESETS, TokenizerConfig
+from generator.data.dataset import MotionDataset
+from generator.generate import MotionGenerator
+from generator.training.loop import Run, train
+from generator.training.tokenizer import TokenizerObjective
+from ros_free_stack.errors import InvalidFile, UnknownName
+from tests.generator.tiny_dataset import write_tiny_dataset
+
+
+@pytest.fixture(scope="module")
+def arguments(tmp_path_factory: pytest.TempPathFactory) -> Arguments:
+    folder = tmp_path_factory.mktemp("ablation")
+    dataset = MotionDataset.open(write_tiny_dataset(folder / "data", test_split=True))
+    training = replace(PRESETS["small"].tokenizer_training, batch=8, window=40)
+    torch.manual_seed(0)
+    config = TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=2)
+    train(TokenizerObjective(dataset, config, training, seed=0), training, folder / "w" / "tokenizer", Run(3))
+    return Arguments(
+        dataset=folder / "data",
+        tokenizer=folder / "w" / "tokenizer",
+        out=folder / "out",
+        iterations=2,
+        batch=4,
+        rows=("momask", "segmo-clustering", "layout-uniform"),
+        width=16,
+        layers=1,
+    )
+
+
+def test_rows_are_trained_measured_and_loadable(
+    arguments: Arguments, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    results = run(arguments)
+    assert list(results) == list(arguments.rows)
+    assert results["momask"]["consistency"] == {}
+    assert -1 <= results["segmo-clustering"]["consistency"]["exact"]["mean"] <= 1
+    for name in arguments.rows:
+        loaded = MotionGenerator.load(arguments.out / name)
+        assert loaded.mask.config == ablation.Ablation(arguments, None, loaded.tokenizer.config).transformer(  # type: ignore[arg-type]
+            ablation.ROWS[name]
+        )
+        assert loaded.residual.config.conditioning == "sentence"
+    show(results, segmentation_rows(MotionDataset.open(arguments.dataset)))
+    printed = capsys.readouterr().out
+    assert "| exact | 1.000 | 0.000 | 0.000 |" in printed
+    assert all(f"| {name} |" in printed for name in arguments.rows)
+    with pytest.raises(InvalidFile, match="exists already; --resume goes on"):
+        run(arguments)
+    monkeypatch.setattr(ablation, "train", None)  # would fail if anything were trained again
+    assert run(replace(arguments, resume=True)) == results
+
+
+def test_unknown_rows_are_named(arguments: Arguments) -> None:
+    with pytest.raises(UnknownName, match="unknown row 'mdm'; valid: layout-exact, "):
+        run(replace(arguments, rows=("mdm",)))
