@@ -81,7 +81,11 @@ def clauses(doc: "Doc") -> list[Clause]:
                 subject=_subject(doc, starts[place], head),
                 adverbs=_words(doc, starts[place], head.i, adverbs_only=True),
                 verb=_base(head),
-                rest=_join(_words(doc, head.i + 1, end), _words(doc, 0, first) if place == 0 else ""),
+                rest=_join(
+                    _words(doc, head.i + 1, end),
+                    _attribute(doc, starts[place], head),
+                    _words(doc, 0, first) if place == 0 else "",
+                ),
                 link=link,
                 leading=link is not Link.NEXT and (place == 0 or bool(link_words & _COORDINATORS)) and not together,
                 parallel=place > 0 and not link_words & SUBORDINATORS and _is_parallel(heads, place),
@@ -171,7 +175,13 @@ def _start(head: "Token") -> int:
 def _subject(doc: "Doc", start: int, head: "Token") -> str:
     """The words of a subject that is no human being, "" for one that is (or none)."""
     nouns = [token.text for token in doc[start : head.i] if token.dep_ not in _BEFORE_VERB]
-    return "" if not nouns or nouns[-1] in PEOPLE else " ".join(nouns)
+    return "" if not nouns or nouns[0] == SUBJECT or nouns[-1] in PEOPLE else " ".join(nouns)
+
+
+def _attribute(doc: "Doc", start: int, head: "Token") -> str:
+    """What stands with a human subject: "with legs bent" of "a person with legs bent walks"."""
+    words = [token.text for token in doc[start : start + 2]]
+    return _words(doc, start + 1, head.i) if words == [SUBJECT, "with"] and start + 1 < head.i else ""
 
 
 def _connectives_before(doc: "Doc", start: int, floor: int) -> int:
@@ -211,7 +221,10 @@ def _words(doc: "Doc", start: int, end: int, *, adverbs_only: bool = False) -> s
         end -= 1
     words: list[str] = []
     for token in doc[start:end]:
-        if token.text in {"simultaneously", ".", ";", SUBJECT} or (adverbs_only and token.tag_ != "RB"):
+        ability = token.text == SUBJECT and token.i + 1 < end and token.nbor().tag_ == "MD"  # "as fast as he can"
+        if (token.text in {"simultaneously", ".", ";", SUBJECT} and not ability) or (
+            adverbs_only and token.tag_ != "RB"
+        ):
             continue
         if token.text in POSSESSIVES or (token.text == "her" and token.tag_ == "PRP$"):
             if words[-1:] not in (["both"], ["all"], ["the"]):

@@ -95,6 +95,10 @@ class Splitter:
             raise InvalidPrompt(f"{left_out[0]!r} only says what not to do; say what to do, for example 'stand still'")
         found = self._clauses(with_subjects(plain))
         moments = _merged(_timeline(found))
+        if not moments:
+            raise InvalidPrompt(
+                f"no action was found in {plain[:40]!r}; say what the robot should do, 'raise both arms'"
+            )
         if len(moments) > MAX_SEGMENTS:
             raise InvalidPrompt(f"it describes {len(moments)} actions in order, at most {MAX_SEGMENTS} are possible")
         notes = (*corrections, *(f"left out {part!r}: no motion shows what is not done" for part in left_out))

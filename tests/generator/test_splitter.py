@@ -52,3 +52,36 @@ def test_unusable_prompts_are_refused(splitter: Splitter, prompt: str) -> None:
 def test_other_subjects_are_kept(splitter: Splitter) -> None:
     assert splitter.split("the stock market fell") == ("the stock market falls",)
     assert splitter.split("a dog eats a sandwich") == ("a dog eats a sandwich",)
+
+
+@pytest.mark.parametrize("prompt", ["do not move", "forward left, arms up, back right, arms down"])
+def test_no_action_is_refused(splitter: Splitter, prompt: str) -> None:
+    with pytest.raises(InvalidPrompt, match=r"only says what not to do|no action was found"):
+        splitter.split(prompt)
+
+
+def test_corrections_and_omissions_are_told(splitter: Splitter) -> None:
+    reading = splitter.read("jmups twice without moving the arms")
+    assert reading.segments == ("a person jumps twice",)
+    assert [note.partition(":")[0] for note in reading.notes] == [
+        "read 'jmups' as 'jumps'",
+        "left out 'without moving the arms'",
+    ]
+
+
+def test_attributes_of_the_subject_are_kept(splitter: Splitter) -> None:
+    assert splitter.split("a person with legs bent raises the arms") == ("a person raises the arms with legs bent",)
+    assert splitter.split("he runs as fast as he can") == ("a person runs as fast as he can",)
+
+
+def gold(half: str) -> list[tuple[str, tuple[str, ...]]]:
+    lines = Path(__file__).with_name("splitting_gold.tsv").read_text(encoding="utf-8").splitlines()
+    rows = [line.split("\t") for line in lines if line.startswith(half)]
+    return [(prompt, tuple(f"{PERSON} {text.strip()}" for text in texts.split("|"))) for _, _, prompt, texts in rows]
+
+
+@pytest.mark.parametrize(("half", "least"), [("dev", 0.95), ("held-out", 0.90)])
+def test_accuracy_on_the_gold_set(splitter: Splitter, half: str, least: float) -> None:
+    right = [splitter.split(prompt) == expected for prompt, expected in gold(half)]
+    assert len(right) >= 100
+    assert sum(right) / len(right) >= least

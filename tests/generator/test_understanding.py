@@ -49,3 +49,10 @@ def test_hopeless_prompt_needs_neither_parser_nor_known_texts(tmp_path: Path):
 def test_missing_known_texts_name_the_file(tmp_path: Path, encoder: TextEncoder):
     with pytest.raises(InvalidFile, match=DOMAIN):
         Understanding(tmp_path, lambda: encoder).segments("wave")
+
+
+def test_notes_of_the_segmenter_are_handed_on(understanding: Understanding):
+    understood = understanding.read("wavs without turning around")
+    assert understood.segments == ("a person waves",)
+    assert understood.known
+    assert len(understood.notes) == 2
