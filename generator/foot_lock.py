@@ -50,7 +50,7 @@ REACH: Final = 0.998
 """Share of a leg's length that it may stretch to."""
 
 
-def lock_feet(joints: Floats, contacts: Floats) -> Floats:
+def lock_feet(joints: Floats, contacts: Floats, rest: float | None = None) -> Floats:
     """The motion with standing feet that stand still.
 
     Heading, trunk and arms keep their poses; the root's path and the legs change. Motion without contacts does not.
@@ -58,11 +58,12 @@ def lock_feet(joints: Floats, contacts: Floats) -> Floats:
     Args:
         joints: (T, 22, 3) m, z up.
         contacts: (T, 4) predicted contacts in 0 to 1: left ankle, left ball, right ankle, right ball.
+        rest: height of the ball of a standing foot, m; from the motion where not given.
 
     Returns:
         (T, 22, 3) with the lengths of thighs, shanks and feet constant.
     """
-    rest = float(np.percentile(joints[:, BALLS, 2].min(axis=1), 5))
+    rest = standing_height(joints) if rest is None else rest
     planted = find_stances(joints, contacts, rest)
     if not planted.any():
         return joints.copy()
@@ -76,6 +77,11 @@ def lock_feet(joints: Floats, contacts: Floats) -> Floats:
     for side, (leg, (ankle, ball)) in enumerate(zip(legs, feet, strict=True)):
         moved = _solve_leg(moved, side, leg, ankle, ball)
     return moved
+
+
+def standing_height(joints: Floats) -> float:
+    """Height of the ball of a standing foot in a motion (T, 22, 3), m."""
+    return float(np.percentile(joints[:, BALLS, 2].min(axis=1), 5))
 
 
 def find_stances(joints: Floats, contacts: Floats, rest: float) -> Bools:

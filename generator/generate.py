@@ -1,7 +1,7 @@
 """From a prompt and its segments to human motion, with trained weights."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Self, TypeVar
 
@@ -11,7 +11,7 @@ from torch import nn
 
 from generator import weights
 from generator.config import (
-    MAX_FRAMES,
+    MAX_TOKENS,
     MIN_FRAMES,
     TOKEN_FRAMES,
     DurationsConfig,
@@ -19,13 +19,13 @@ from generator.config import (
     TokenizerConfig,
     TransformerConfig,
 )
-from generator.data.features import decode
-from generator.foot_lock import lock_feet
 from generator.models.conditioning import Condition, check_segments, stack_lengths, uniform_lengths
 from generator.models.durations import DurationModel, whole_tokens
 from generator.models.mask_transformer import MaskTransformer
 from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
+from generator.splice import placed
+from generator.surroundings import CONTEXT_TOKENS, Surroundings
 from generator.text.encoder import TextEncoder
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, NoWeights
@@ -35,7 +35,9 @@ from ros_free_stack.skeleton import FPS
 WEIGHTS_FOLDER: Final = Path(__file__).parent / "weights"
 """The weights that come with the program."""
 
-MIN_S, MAX_S = MIN_FRAMES / FPS, MAX_FRAMES / FPS
+TOKEN_S: Final = TOKEN_FRAMES / FPS
+MIN_S: Final = MIN_FRAMES / FPS
+CONTEXT_S: Final = CONTEXT_TOKENS * TOKEN_S
 
 Model = TypeVar("Model", bound=nn.Module)
 
@@ -90,82 +92,164 @@ class MotionGenerator:
         candidates: int = 1,
         duration_s: float | None = None,
         durations_s: Sequence[float] | None = None,
+        start: HumanMotion | None = None,
         sampling: Sampling | None = None,
     ) -> tuple[HumanMotion, ...]:
         """Generate motions; the same arguments give the same motions.
 
         Args:
             prompt: the whole sentence.
-            segments: its 1 to 5 segment texts in temporal order.
+            segments: its 1 to 5 segment texts in temporal order; up to 4 with `start`.
             candidates: how many motions, which differ in noise and a little in timing.
-            duration_s: total duration, 2 to 9.8 s; shared among the segments as the model predicts.
+            duration_s: total duration, 2 to 9.8 s, with `start` to 8.8 s; shared among the segments as predicted.
             durations_s: duration of each segment instead.
+            start: a motion to go on from: the new one begins with the frame after its last one, without a jump.
 
         Raises:
-            InvalidOption: a number is out of range.
+            InvalidOption: a number is out of range, or `start` is too short or not at 20 frames a second.
         """
-        check_segments(len(segments), MAX_FRAMES // TOKEN_FRAMES)
-        if candidates < 1:
-            raise InvalidOption("candidates", f"must be at least 1, found {candidates}")
+        around = Surroundings.none()
+        if start is not None:
+            if len(start.joints) < CONTEXT_TOKENS * TOKEN_FRAMES:
+                raise InvalidOption(
+                    "start", f"lasts {start.duration_s:g} s, needs at least {CONTEXT_S:g} s to go on from"
+                )
+            around = Surroundings.of_range(start, len(start.joints), len(start.joints))
+        most = MAX_TOKENS - sum(around.tokens)
+        _check(candidates, len(segments) + (start is not None), MAX_TOKENS)
         sampling = sampling or Sampling()
-        device = self.tokenizer.mean.device
-        noise = torch.Generator(device).manual_seed(seed)
-        embeddings = torch.from_numpy(self.text_encoder.encode_sentences([prompt, *segments])).to(device)
-        texts = embeddings[1:]
+        noise = self._noise(seed)
         if durations_s is None:
-            seconds = self._durations(texts, candidates, sampling.duration_spread, duration_s, noise)
+            seconds = self._durations(segments, candidates, sampling.duration_spread, noise)
+            seconds = _fitted(seconds, duration_s, most * TOKEN_S)
         else:
-            seconds = np.tile(_checked_durations(durations_s, len(segments)), (candidates, 1))
-        lengths = [whole_tokens(row) for row in seconds]
-        if self.mask.config.layout == "uniform":
-            lengths = [uniform_lengths(len(row), int(row.sum())) for row in lengths]
-        condition = Condition(
-            embeddings[:1].expand(candidates, -1),
-            texts.expand(candidates, -1, -1),
-            stack_lengths(lengths).to(device),
-        )
-        with torch.inference_mode():
-            base = self.mask.generate(condition, sampling, noise)
-            tokens = self.residual.generate(base, condition, sampling, noise)
-            features = self._decode(tokens, condition)
+            seconds = np.tile(_checked_durations(durations_s, len(segments), most * TOKEN_S), (candidates, 1))
+        lengths = [self._laid_out(whole_tokens(row, most=most)) for row in seconds]
+        features = self._features(prompt, segments, lengths, around, sampling, noise)
         return tuple(
-            self._motion(rows, prompt, segments, row, sampling) for rows, row in zip(features, lengths, strict=True)
+            self._motion(around.joined(rows, foot_lock=sampling.foot_lock)[0], prompt, segments, row, start is None)
+            for rows, row in zip(features, lengths, strict=True)
         )
 
-    def _durations(
-        self, texts: torch.Tensor, candidates: int, spread: float, total_s: float | None, noise: torch.Generator
-    ) -> np.ndarray:
-        """(candidates, A) predicted durations in s."""
-        count = len(texts)
-        place = torch.arange(count, device=texts.device)
-        with torch.inference_mode():
-            mean, log_std = self.durations(texts, place, torch.full_like(place, count))
-        draws = torch.randn(candidates, count, generator=noise, device=texts.device)
-        seconds = (mean + spread * log_std.exp() * draws).exp().cpu().numpy().astype(np.float64)
-        if total_s is not None:
-            if not MIN_S <= total_s <= MAX_S:
-                raise InvalidOption("duration", f"{total_s:g} s is outside of {MIN_S:g} to {MAX_S:g} s")
-            return seconds * (total_s / seconds.sum(axis=1, keepdims=True))
-        longest = seconds.sum(axis=1).max()
-        if longest > MAX_S:
-            say(f"the sentence would take {longest:.1f} s; it is performed faster, within {MAX_S:g} s")
-        return seconds
+    def edit(
+        self,
+        motion: HumanMotion,
+        prompt: str,
+        segments: Sequence[str],
+        *,
+        start_s: float,
+        end_s: float,
+        seed: int,
+        candidates: int = 1,
+        sampling: Sampling | None = None,
+    ) -> tuple[HumanMotion, ...]:
+        """Motions like the given one with the time from `start_s` to `end_s` generated anew from a prompt.
 
-    def _decode(self, tokens: torch.Tensor, condition: Condition) -> list[np.ndarray]:
-        """Features (T, 263) of each motion, each decoded at its own length so that padding cannot reach it."""
-        lengths = condition.lengths.sum(1).tolist()
-        return [
-            self.tokenizer.decode(tokens[:, i : i + 1, :length])[0].float().cpu().numpy()
-            for i, length in enumerate(lengths)
-        ]
+        The range ends after whole tokens of 0.2 s. The frames before it do not change; those after it keep their
+        poses, and move over the floor as a whole to where the new range leads.
+
+        Args:
+            motion: what to change, at 20 frames a second.
+            prompt: what happens in the range instead.
+            segments: its 1 to 3 segment texts.
+            start_s, end_s: the range, 0.4 to 7.8 s long, not the whole motion.
+
+        Raises:
+            InvalidOption: a number is out of range, or the motion is not at 20 frames a second.
+        """
+        frames = len(motion.joints)
+        first, last = _token_range(start_s, end_s, frames)
+        around = Surroundings.of_range(motion, first, last)
+        tokens = -(-(last - first) // TOKEN_FRAMES)
+        _check(candidates, len(segments) + sum(count > 0 for count in around.tokens), MAX_TOKENS)
+        check_segments(len(segments), tokens)
+        sampling = sampling or Sampling()
+        noise = self._noise(seed)
+        seconds = self._durations(segments, candidates, sampling.duration_spread, noise)
+        lengths = [self._laid_out(whole_tokens(row, least=tokens, most=tokens)) for row in seconds]
+        features = self._features(prompt, segments, lengths, around, sampling, noise)
+        edited: list[HumanMotion] = []
+        for rows, row in zip(features, lengths, strict=True):
+            middle, follows = around.joined(rows, foot_lock=sampling.foot_lock)
+            rest = motion.joints[last:]
+            if len(rest):
+                rest = placed(rest, rest[: len(follows)], follows)
+            new = self._motion(middle[: last - first], prompt, segments, row, first == 0 and last == frames)
+            joints = np.concatenate([motion.joints[:first], new.joints, rest])
+            edited.append(replace(new, joints=joints, segments=_replaced(motion, new, first / FPS, last / FPS)))
+        return tuple(edited)
+
+    def _noise(self, seed: int) -> torch.Generator:
+        return torch.Generator(self.tokenizer.mean.device).manual_seed(seed)
+
+    def _texts(self, texts: Sequence[str]) -> torch.Tensor:
+        """(N, 384) embeddings."""
+        return torch.from_numpy(self.text_encoder.encode_sentences(list(texts))).to(self.tokenizer.mean.device)
+
+    def _durations(self, segments: Sequence[str], candidates: int, spread: float, noise: torch.Generator) -> np.ndarray:
+        """(candidates, A) predicted durations in s."""
+        count = len(segments)
+        place = torch.arange(count, device=self.tokenizer.mean.device)
+        with torch.inference_mode():
+            mean, log_std = self.durations(self._texts(segments), place, torch.full_like(place, count))
+        draws = torch.randn(candidates, count, generator=noise, device=place.device)
+        return (mean + spread * log_std.exp() * draws).exp().cpu().numpy().astype(np.float64)
+
+    def _laid_out(self, lengths: np.ndarray) -> np.ndarray:
+        if self.mask.config.layout == "uniform":
+            return uniform_lengths(len(lengths), int(lengths.sum()))
+        return lengths
+
+    def _features(
+        self,
+        prompt: str,
+        segments: Sequence[str],
+        lengths: Sequence[np.ndarray],
+        around: Surroundings,
+        sampling: Sampling,
+        noise: torch.Generator,
+    ) -> list[np.ndarray]:
+        """Features (T, 263) of each candidate with the tokens around it, which the models see and keep."""
+        device = self.tokenizer.mean.device
+        before, after = around.tokens
+        texts = [*[around.before_text][: before > 0], *segments, *[around.after_text][: after > 0]]
+        sentence = prompt if len(texts) == len(segments) else ", then ".join(texts)
+        embeddings = self._texts([sentence, *texts])
+        whole = [np.array([*[before][: before > 0], *row, *[after][: after > 0]]) for row in lengths]
+        condition = Condition(
+            embeddings[:1].expand(len(whole), -1),
+            embeddings[1:].expand(len(whole), -1, -1),
+            stack_lengths(whole).to(device),
+        )
+        with torch.inference_mode():
+            known = self._known(around, condition)
+            base = self.mask.generate(condition, sampling, noise, known[0])
+            tokens = self.residual.generate(base, condition, sampling, noise, known)
+            # Each at its own length, so that padding cannot reach it.
+            return [
+                self.tokenizer.decode(tokens[:, i : i + 1, : row.sum()])[0].float().cpu().numpy()
+                for i, row in enumerate(whole)
+            ]
+
+    def _known(self, around: Surroundings, condition: Condition) -> torch.Tensor:
+        """(Q, B, T) tokens of the surroundings, -1 where there are none."""
+        before, after = around.tokens
+        known = condition.lengths.new_full((self.residual.config.quantizers, *condition.token_mask.shape), -1)
+        features = [torch.from_numpy(part).float()[None].to(known.device) for part in around.features()]
+        if before:
+            known[:, :, :before] = self.tokenizer.encode(features[0])[..., -before:]
+        if after:
+            given = self.tokenizer.encode(features[1])[:, 0, :after]
+            for i, end in enumerate(condition.lengths.sum(1).tolist()):
+                known[:, i, end - after : end] = given
+        return known
 
     def _motion(
-        self, features: np.ndarray, prompt: str, texts: Sequence[str], lengths: np.ndarray, sampling: Sampling
+        self, joints: np.ndarray, prompt: str, texts: Sequence[str], lengths: np.ndarray, on_floor: bool
     ) -> HumanMotion:
-        joints = decode(features)
-        if sampling.foot_lock:
-            joints = lock_feet(joints, features[:, -4:])
-        joints[..., 2] -= joints[..., 2].min()
+        """A motion of such segments; `on_floor` puts its lowest joint on the floor."""
+        if on_floor:
+            joints = joints - [0.0, 0.0, joints[..., 2].min()]
         edges = np.concatenate([[0], np.cumsum(lengths)]) * TOKEN_FRAMES / FPS
         segments = tuple(
             Segment(text, float(start), float(end))
@@ -174,12 +258,60 @@ class MotionGenerator:
         return HumanMotion(joints=joints, fps=FPS, prompt=prompt, segments=segments, source=self.name)
 
 
-def _checked_durations(durations_s: Sequence[float], count: int) -> np.ndarray:
+def _check(candidates: int, segments: int, tokens: int) -> None:
+    check_segments(segments, tokens)
+    if candidates < 1:
+        raise InvalidOption("candidates", f"must be at least 1, found {candidates}")
+
+
+def _fitted(seconds: np.ndarray, total_s: float | None, max_s: float) -> np.ndarray:
+    """Predicted durations (candidates, A) that add up to `total_s`, or as they are where none is asked for."""
+    if total_s is not None:
+        if not MIN_S <= total_s <= max_s:
+            raise InvalidOption("duration", f"{total_s:g} s is outside of {MIN_S:g} to {max_s:g} s")
+        return seconds * (total_s / seconds.sum(axis=1, keepdims=True))
+    longest = seconds.sum(axis=1).max()
+    if longest > max_s:
+        say(f"the sentence would take {longest:.1f} s; it is performed faster, within {max_s:g} s")
+    return seconds
+
+
+def _token_range(start_s: float, end_s: float, frames: int) -> tuple[int, int]:
+    """First and last (excluded) frame of a range; rests too short for a token belong to it.
+
+    Raises:
+        InvalidOption: it is not inside of the motion, is all of it, or has not the length that the models take.
+    """
+    duration = frames / FPS
+    if not 0 <= start_s < end_s <= duration + 1e-9:
+        raise InvalidOption("range", f"{start_s:g} to {end_s:g} s is not a range of a motion of {duration:g} s")
+    first = round(start_s * FPS)
+    tokens = -(-(round(end_s * FPS) - first) // TOKEN_FRAMES)
+    if not 2 <= tokens <= MAX_TOKENS - 2 * CONTEXT_TOKENS:
+        least, most = 2 * TOKEN_S, (MAX_TOKENS - 2 * CONTEXT_TOKENS) * TOKEN_S
+        raise InvalidOption("range", f"must last {least:g} to {most:g} s, found {end_s - start_s:g} s")
+    last = first + tokens * TOKEN_FRAMES
+    first = first if first >= TOKEN_FRAMES else 0
+    last = last if frames - last >= TOKEN_FRAMES else frames
+    if (first, last) == (0, frames):
+        raise InvalidOption("range", f"{start_s:g} to {end_s:g} s is the whole motion; generate a new one instead")
+    return first, last
+
+
+def _replaced(motion: HumanMotion, new: HumanMotion, start_s: float, end_s: float) -> tuple[Segment, ...]:
+    """The motion's segments with those of `new` from `start_s` to `end_s`."""
+    before = [replace(s, end_s=min(s.end_s, start_s)) for s in motion.segments if s.start_s < start_s]
+    after = [replace(s, start_s=max(s.start_s, end_s)) for s in motion.segments if s.end_s > end_s]
+    middle = [Segment(s.text, s.start_s + start_s, min(s.end_s + start_s, end_s)) for s in new.segments]
+    return (*before, *middle, *after)
+
+
+def _checked_durations(durations_s: Sequence[float], count: int, max_s: float) -> np.ndarray:
     seconds = np.asarray(durations_s, dtype=np.float64)
     if seconds.shape != (count,):
         raise InvalidOption("durations", f"{count} segments need as many durations, found {len(durations_s)}")
-    if not (np.isfinite(seconds).all() and (seconds > 0).all() and MIN_S <= round(seconds.sum(), 6) <= MAX_S):
+    if not (np.isfinite(seconds).all() and (seconds > 0).all() and MIN_S <= round(seconds.sum(), 6) <= max_s):
         raise InvalidOption(
-            "durations", f"must be positive and add up to {MIN_S:g} to {MAX_S:g} s, found {list(durations_s)}"
+            "durations", f"must be positive and add up to {MIN_S:g} to {max_s:g} s, found {list(durations_s)}"
         )
     return seconds

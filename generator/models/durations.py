@@ -37,13 +37,14 @@ class DurationModel(nn.Module):
         return mean, log_std.clamp(MIN_LOG_STD, MAX_LOG_STD)
 
 
-def whole_tokens(durations_s: np.ndarray) -> np.ndarray:
+def whole_tokens(durations_s: np.ndarray, least: int = MIN_TOKENS, most: int = MAX_TOKENS) -> np.ndarray:
     """Durations (A,) in s to whole tokens (A,), at least one each, with rounding errors that do not add up.
 
-    A total outside of what the models take, 2 to 9.8 s, stretches or shrinks all segments alike.
+    A total outside of `least` to `most` tokens, by default the 2 to 9.8 s that the models take, stretches or shrinks
+    all segments alike.
     """
     wanted = durations_s * FPS / TOKEN_FRAMES
-    total = min(max(round(wanted.sum()), MIN_TOKENS), MAX_TOKENS)
+    total = min(max(round(wanted.sum()), least), most)
     check_segments(len(wanted), total)
     ends = np.cumsum(wanted / wanted.sum() * total)
     edges = [0]

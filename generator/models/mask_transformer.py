@@ -64,10 +64,17 @@ class MaskTransformer(nn.Module):
         return MaskOutput(self.output(hidden), hidden, given.sentence, given.segments)
 
     @torch.inference_mode()
-    def generate(self, condition: Condition, sampling: Sampling, generator: torch.Generator) -> Tensor:
-        """Base tokens (B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT)."""
+    def generate(
+        self, condition: Condition, sampling: Sampling, generator: torch.Generator, known: Tensor | None = None
+    ) -> Tensor:
+        """Base tokens (B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT).
+
+        `known` (B, T) gives tokens that stay as they are, and -1 for those to be generated.
+        """
         tokens = torch.full(condition.token_mask.shape, self.mask_token, device=condition.lengths.device)
-        length = condition.lengths.sum(1)
+        if known is not None:
+            tokens = torch.where(known >= 0, known, tokens)
+        length = ((tokens == self.mask_token) & condition.token_mask).sum(1)
         for step in range(1, sampling.steps + 1):
             logits = self._guided(tokens, condition, sampling.mask_guidance)
             drawn, chance = sample(logits, sampling.temperature, sampling.top_k, generator)

@@ -46,12 +46,24 @@ class ResidualTransformer(nn.Module):
         return self.output(hidden) @ self.embedding[layer].T + self.bias[layer]
 
     @torch.inference_mode()
-    def generate(self, base: Tensor, condition: Condition, sampling: Sampling, generator: torch.Generator) -> Tensor:
-        """Base tokens (B, T) to the tokens of all layers (Q, B, T), layer by layer."""
+    def generate(
+        self,
+        base: Tensor,
+        condition: Condition,
+        sampling: Sampling,
+        generator: torch.Generator,
+        known: Tensor | None = None,
+    ) -> Tensor:
+        """Base tokens (B, T) to the tokens of all layers (Q, B, T), layer by layer.
+
+        `known` (Q, B, T) gives tokens that stay as they are, and -1 for those to be generated.
+        """
         tokens = base[None]
         for layer in range(1, self.config.quantizers):
             logits = self._guided(tokens, layer, condition, sampling.residual_guidance)
             drawn, _ = sample(logits, sampling.residual_temperature, sampling.top_k, generator)
+            if known is not None:
+                drawn = torch.where(known[layer] >= 0, known[layer], drawn)
             tokens = torch.cat([tokens, drawn[None]])
         return tokens
 

@@ -167,3 +167,32 @@ def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.Mon
     torch.set_num_threads(before)
     (motion,) = MotionGenerator.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
     assert motion.joints.shape[1:] == (22, 3)
+
+
+def test_generate_command_goes_on_edits_and_appends(folder: Path, tmp_path: Path) -> None:
+    first, second, third, fourth = (tmp_path / f"{name}.npz" for name in ("first", "second", "third", "fourth"))
+    assert Generate(prompt=PROMPT, out=first, weights=folder, durations=(2.0, 2.0)).run() == 0
+    assert Generate(prompt=PROMPT, out=second, weights=folder, start=first, duration=2.4).run() == 0
+    whole = load_motion(first)
+    assert load_motion(second).duration_s == pytest.approx(2.4)
+    assert Generate(prompt=PROMPT, out=third, weights=folder, edit=first, range=(1.0, 2.0)).run() == 0
+    assert load_motion(third).joints[:20].tobytes() == whole.joints[:20].tobytes()
+    assert len(load_motion(third).joints) == len(whole.joints)
+    assert Generate(prompt=PROMPT, out=fourth, weights=folder, then=("a person bows", "a person waves")).run() == 0
+    assert [segment.text for segment in load_motion(fourth).segments][-2:] == ["a person bows", "a person waves"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"range": (1.0, 2.0)}, "--range needs --edit"),
+        ({"duration": 3.0, "durations": (1.0, 2.0)}, "--durations: cannot be combined with --duration"),
+        ({"duration": 3.0, "then": ("a person bows",)}, "--duration: cannot be combined with --edit or --then"),
+        ({"candidates": 2, "then": ("a person bows",)}, "--candidates: cannot be combined with --then"),
+    ],
+)
+def test_generate_command_names_options_that_do_not_go_together(
+    folder: Path, tmp_path: Path, options: dict, message: str
+) -> None:
+    with pytest.raises(InvalidOption, match=message):
+        Generate(prompt=PROMPT, out=tmp_path / "motion.npz", weights=folder, **options).run()

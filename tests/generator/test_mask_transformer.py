@@ -127,3 +127,15 @@ def test_learns_which_text_means_which_token() -> None:
     given = Condition(torch.randn(1, 384), texts[torch.tensor([[2, 1]])], stack_lengths([[3, 4]]))
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
     assert tokens.tolist() == [[2, 2, 2, 1, 1, 1, 1]]
+
+
+def test_known_tokens_stay(model: MaskTransformer) -> None:
+    given = condition([5, 6], [4, 4])
+    known = torch.full((2, 11), -1)
+    known[:, :3] = torch.tensor([7, 8, 9])
+    known[0, 10], known[1, 7] = 11, 12
+    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0), known)
+    assert torch.equal(tokens[known >= 0], known[known >= 0])
+    assert int(tokens.max()) < 24
+    free = model.generate(given, Sampling(), torch.Generator().manual_seed(0), torch.full((2, 11), -1))
+    assert torch.equal(free, model.generate(given, Sampling(), torch.Generator().manual_seed(0)))
