@@ -75,7 +75,7 @@ PROBES = (
         {
             "pelvis_range": below(0.16),
             "hand.extension": above(0.95),
-            "hand.shortest": within(0.6, 0.94),
+            "hand.shortest": within(0.6, 0.985),
             "other_hand.lift": below(-0.45),
             "hand.away": above(0.55),
             "hand.hold": above(0.3),
@@ -99,7 +99,7 @@ PROBES = (
             "hand.still_z": within(0.05, 0.4),
             "hand.ups": below(1),
             "hand.hold": above(0.3),
-            "hand.shortest": above(0.3),
+            "hand.shortest": above(0.15),
         },
     ),
     Probe(
