@@ -65,14 +65,14 @@ def test_motions_that_are_all_the_same_are_found_by_no_text() -> None:
 
 
 def test_two_motions_that_changed_places_are_found_second() -> None:
-    text = 10.0 * np.arange(2 * POOL)[:, None]
+    text = np.linspace(0, 10 * (2 * POOL - 1), 2 * POOL)[:, None].astype(np.float64)
     motion = text.copy()
     motion[[0, 1]] = motion[[1, 0]] + [[0.1], [0.2]]
     assert r_precision(text, motion)[:2].tolist() == [1 - 2 / (2 * POOL), 1.0]
 
 
 def test_rows_that_fill_no_pool_do_not_count() -> None:
-    text = 10.0 * np.arange(POOL + 5)[:, None]
+    text = np.linspace(0, 10 * (POOL + 4), POOL + 5)[:, None].astype(np.float64)
     motion = text.copy()
     motion[POOL:] = -1e6
     assert r_precision(text, motion).tolist() == [1, 1, 1]
