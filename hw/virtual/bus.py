@@ -6,75 +6,31 @@ with VirtualBus.of_robot(load_robot("op3")) as bus:
 
 import os
 import select
+import termios
 import threading
 import time
 import tty
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-
 from hw.pace import realtime_priority
-from hw.protocol import Instruction, Packet, PacketReader, encode
-from hw.virtual.instructions import Network
+from hw.protocol import Instruction, Packet, encode
+from hw.virtual.factory import BAUD_RATES
+from hw.virtual.faults import WIRE, Fault, Faults
 from hw.virtual.motor import MotorModel
+from hw.virtual.network import Network, Reply
+from hw.virtual.receiver import Damaged, Receiver
 from hw.virtual.servo import Servo
+from hw.virtual.world import World
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.robots import RobotDescription
 
-_IDLE_S = 0.01
+_TICK_S = 4e-3
+_QUIET_S = 0.1
 _BITS_PER_BYTE = 10
-
-
-@dataclass
-class Faults:
-    """What goes wrong on the wire; may be changed while the bus runs.
-
-    Attributes:
-        drop: probability that an answer is lost.
-        corrupt: probability that one byte of an answer is changed.
-        drop_instruction: probability that an instruction is not heard.
-        noise: probability of up to 8 random bytes before an answer.
-        delay_s: extra time before each answer.
-        spike_s: extra time before an answer, with probability `spike`.
-        spike: see `spike_s`.
-        seed: of the randomness.
-    """
-
-    drop: float = 0.0
-    corrupt: float = 0.0
-    drop_instruction: float = 0.0
-    noise: float = 0.0
-    delay_s: float = 0.0
-    spike: float = 0.0
-    spike_s: float = 0.0
-    seed: int = 0
-    _random: np.random.Generator = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        self._random = np.random.default_rng(self.seed)
-
-    def hears(self) -> bool:
-        """Whether an instruction gets through."""
-        return self._random.random() >= self.drop_instruction
-
-    def distort(self, data: bytes) -> bytes:
-        """What arrives of an answer."""
-        if self._random.random() < self.drop:
-            return b""
-        if self._random.random() < self.corrupt:
-            changed = bytearray(data)
-            changed[self._random.integers(len(data))] ^= int(self._random.integers(1, 256))
-            data = bytes(changed)
-        if self._random.random() < self.noise:
-            data = self._random.bytes(int(self._random.integers(1, 9))) + data
-        return data
-
-    def wait_s(self) -> float:
-        """Extra time before an answer."""
-        return self.delay_s + (self.spike_s if self._random.random() < self.spike else 0.0)
+_RATES = {getattr(termios, f"B{rate}"): rate for rate in BAUD_RATES if hasattr(termios, f"B{rate}")}
+"""The terminal's code of each rate that it knows by name."""
 
 
 class VirtualBus:
@@ -83,34 +39,52 @@ class VirtualBus:
     Attributes:
         network: the servos and their answers.
         faults: what goes wrong on the wire.
+        happened: faults that came true, each with the time, s of the servos' clocks.
         port: path to open, once started.
         heard: instruction packets so far.
     """
 
     def __init__(
-        self, servos: Iterable[Servo], *, baud: int | None = None, unsupported: Iterable[Instruction] = (),
-        faults: Faults | None = None,
+        self, servos: Iterable[Servo], *, timed: bool = False, unsupported: Iterable[Instruction] = (),
+        faults: Faults | None = None, planned: Iterable[Fault] = (), world: World | None = None,
     ) -> None:  # fmt: skip
-        """With `baud`, answers take as long as their bytes take on a wire at that rate; else they come at once."""
-        self.network = Network(servos, unsupported=unsupported)
+        """A bus; with `timed` the baud rate counts as on a wire.
+
+        Args:
+            servos: with distinct ids.
+            timed: answers take as long as their bytes take at the rate at which the port was opened, and servos that
+                are set to another rate do not hear; else they come at once, whatever the rates.
+            unsupported: instructions that the firmware does not know.
+            faults: what goes wrong on the wire at random.
+            planned: faults that are to come.
+            world: what the servos move; None lets each turn its own inertia.
+
+        Raises:
+            InvalidOption: a planned fault is of a servo that there is not.
+        """
+        self.network = Network(servos, unsupported=unsupported, world=world)
         self.faults = faults or Faults()
+        self.happened: list[tuple[float, Fault]] = []
         self.port = ""
         self.heard = 0
-        self._byte_s = _BITS_PER_BYTE / baud if baud else 0.0
+        self._timed = timed
+        self._planned: list[Fault] = []
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
-        self._now = self._free = 0.0
+        self._now = self._free = self._first_heard = 0.0
+        for fault in planned:
+            self.plan(fault)
 
     @classmethod
     def of_robot(
         cls, robot: RobotDescription, *, timed: bool = False, unsupported: Iterable[Instruction] = (),
-        faults: Faults | None = None,
+        faults: Faults | None = None, planned: Iterable[Fault] = (), world: World | None = None,
     ) -> "VirtualBus":  # fmt: skip
-        """The bus of a robot's servo map, every joint at its standing pose; `timed` models the wire at its baud rate.
+        """The bus of a robot's servo map, every joint at its standing pose; the rest is as in a new VirtualBus.
 
         Raises:
-            InvalidOption: the robot has no servo map.
+            InvalidOption: the robot has no servo map, or a planned fault is of a servo that there is not.
         """
         servo_map = robot.servos
         if servo_map is None:
@@ -118,7 +92,7 @@ class VirtualBus:
         servos = [
             Servo.make(
                 servo_map.ids[joint],
-                model=servo_map.model,
+                model=servo_map.model_of(joint),
                 baud=servo_map.baud,
                 motor=MotorModel(stall_torque=limits.effort, no_load_speed=limits.velocity),
                 position=robot.standing.get(joint, 0.0),
@@ -126,11 +100,30 @@ class VirtualBus:
             for joint, limits in robot.joints.items()
             if joint in servo_map.ids
         ]
-        return cls(servos, baud=servo_map.baud if timed else None, unsupported=unsupported, faults=faults)
+        return cls(servos, timed=timed, unsupported=unsupported, faults=faults, planned=planned, world=world)
 
     def servo(self, identity: int) -> Servo:
         """The servo with an id (its table changes while the bus runs: use `locked` for more than one look)."""
         return self.network.servos[identity]
+
+    def plan(self, fault: Fault) -> None:
+        """Let a fault happen when its time comes (one of a share: from now on).
+
+        Raises:
+            InvalidOption: there is no servo of its id.
+        """
+        if fault.id is not None and fault.id not in self.network.servos:
+            known = ", ".join(map(str, sorted(self.network.servos)))
+            raise InvalidOption("--fault", f"no servo {fault.id}; there are {known}")
+        if fault.unit == "share":
+            setattr(self.faults, WIRE[fault.kind], fault.when)
+        else:
+            self._planned.append(fault)
+
+    @property
+    def clock_s(self) -> float:
+        """The servos' clock, s."""
+        return next((servo.clock_s for servo in self.network.servos.values()), 0.0)
 
     @property
     def locked(self) -> threading.Lock:
@@ -171,39 +164,73 @@ class VirtualBus:
             self._serve_packets()
 
     def _serve_packets(self) -> None:
-        reader = PacketReader()
+        receiver, arrived = Receiver(), self._now
         while not self._stop.is_set():
-            readable, _, _ = select.select([self._master], [], [], _IDLE_S)
-            data = os.read(self._master, 4096) if readable else b""
-            arrived = time.perf_counter()
-            with self._lock:
+            readable, _, _ = select.select([self._master], [], [], max(0.0, self._now + _TICK_S - time.perf_counter()))
+            if readable:
+                data = os.read(self._master, 4096)
+                arrived = time.perf_counter()
+                self._first_heard = self._first_heard or arrived
+                for item in receiver.feed(data):
+                    self._take(item, arrived)
+            elif time.perf_counter() - arrived > _QUIET_S:
+                receiver.rest()
+            if time.perf_counter() - self._now >= _TICK_S:
                 self._advance()
-            for packet in reader.feed(data):
-                self._answer(packet, arrived)
 
     def _advance(self) -> None:
+        """Let the time pass that has passed. Not before each answer: the sensors of a servo too have their own pace."""
         now = time.perf_counter()
-        self.network.advance(now - self._now)
+        with self._lock:
+            self.network.advance(now - self._now)
+            self._happen(now)
         self._now = now
 
-    def _answer(self, packet: Packet, arrived: float) -> None:
-        # The wire carries one byte after the other, whatever the terminal takes at once.
-        self._free = max(self._free, arrived) + self._byte_s * len(encode(packet))
-        with self._lock:
-            if not self.faults.hears():
-                return
-            self.heard += 1
-            replies = self.network.handle(packet)
+    def _happen(self, now: float) -> None:
+        """Let the faults happen that are due."""
+        heard_s = now - self._first_heard if self._first_heard else -1.0
+        servos = self.network.servos
+        for fault in [fault for fault in self._planned if fault.due(servos, heard_s)]:
+            self._planned.remove(fault)
+            fault.happen(servos, self.faults)
+            self.happened.append((self.clock_s, fault))
+
+    def _take(self, item: Packet | Damaged, arrived: float) -> None:
+        """Answer one packet, after the time that a wire takes: one byte after the other."""
+        byte_s = self._byte_s()
+        self._free = max(self._free, arrived) + byte_s * (len(encode(item)) if isinstance(item, Packet) else 0)
+        for heard in self._distorted(item):
+            with self._lock:
+                self.heard += 1
+                answer = self.network.complain(heard.id) if isinstance(heard, Damaged) else self.network.handle(heard)
+                self._happen(arrived)
+            self._send(answer, byte_s)
+
+    def _distorted(self, item: Packet | Damaged) -> list[Packet | Damaged]:
+        """What the servos hear of a packet."""
+        if isinstance(item, Damaged) or not (self.faults.drop_instruction or self.faults.corrupt_instruction):
+            return [item]
+        return Receiver().feed(self.faults.heard(encode(item)))
+
+    def _send(self, replies: list[Reply], byte_s: float) -> None:
         if not replies:
             return
         due = self._free + self.faults.wait_s()
-        if self._byte_s:
-            due += sum(reply.delay_s + self._byte_s * len(reply.data) for reply in replies)
+        if self._timed:
+            due += sum(reply.delay_s + byte_s * len(reply.data) for reply in replies)
         self._free = due
         data = b"".join(self.faults.distort(reply.data) for reply in replies)
         _sleep_until(due)
         if data:
             os.write(self._master, data)
+
+    def _byte_s(self) -> float:
+        """Time of one byte, s; also tells the servos at which rate the host speaks."""
+        if not self._timed:
+            return 0.0
+        # The terminal knows 4.5 Mbps by no name.
+        self.network.rate = rate = _RATES.get(termios.tcgetattr(self._slave)[5], BAUD_RATES[-1])
+        return _BITS_PER_BYTE / rate
 
 
 def _sleep_until(due: float) -> None:

@@ -61,12 +61,42 @@ class Motor:
         drive = duty * voltage / model.nominal_voltage
         damping = model.stall_torque / model.no_load_speed
         self._move(model.stall_torque * drive + self.load, damping, dt)
-        self.current = model.stall_current * (drive - self.velocity / model.no_load_speed)
-        self._heat(dt)
+        self._draw(drive, dt)
 
     def coast(self, dt: float) -> None:
         """Advance by `dt` s with the bridge open: only the gears' friction holds."""
-        self._move(self.load, damping=0.05 * self.model.stall_torque / self.model.no_load_speed, dt=dt)
+        self._move(self.load, damping=self._gear_damping, dt=dt)
+        self._rest(dt)
+
+    def torque(self, duty: float | None, voltage: float) -> float:
+        """N m at the horn, with the bridge at `duty` or (None) open."""
+        model = self.model
+        if duty is None:
+            return -self._gear_damping * self.velocity
+        drive = duty * voltage / model.nominal_voltage
+        return model.stall_torque * (drive - self.velocity / model.no_load_speed)
+
+    def be_moved(self, position: float, velocity: float, *, duty: float | None, voltage: float, dt: float) -> None:
+        """Take position and velocity from a world that had the torque for `dt` s."""
+        self.position, self.velocity = position, velocity
+        if duty is None:
+            self._rest(dt)
+        else:
+            self._draw(duty * voltage / self.model.nominal_voltage, dt)
+
+    def duty_of(self, current: float) -> float:
+        """The duty that draws `current` A at the present speed."""
+        return current / self.model.stall_current + self.velocity / self.model.no_load_speed
+
+    @property
+    def _gear_damping(self) -> float:
+        return 0.05 * self.model.stall_torque / self.model.no_load_speed
+
+    def _draw(self, drive: float, dt: float) -> None:
+        self.current = self.model.stall_current * (drive - self.velocity / self.model.no_load_speed)
+        self._heat(dt)
+
+    def _rest(self, dt: float) -> None:
         self.current = 0.0
         self._heat(dt)
 

@@ -5,10 +5,11 @@ import pytest
 from hw.protocol import StatusError
 from hw.registers import control_table, model_names
 from hw.units import to_raw, to_si
-from hw.virtual.servo import OVERHEATING, OVERLOAD, WATCHDOG_TRIPPED, Refused, Servo
+from hw.virtual.memory import WATCHDOG_TRIPPED, Refused
+from hw.virtual.servo import INPUT_VOLTAGE, OVERHEATING, OVERLOAD, Servo
 
 
-def make(**options: float) -> Servo:
+def make(**options: object) -> Servo:
     return Servo.make(1, **options)  # type: ignore[arg-type]
 
 
@@ -178,3 +179,131 @@ def test_reboot_keeps_eeprom_and_loses_ram() -> None:
     assert servo.answering
     assert (servo.get("Max Position Limit"), servo.get("Position P Gain"), servo.get("LED")) == (3000, 800, 0)
     assert servo.id == 1
+
+
+def test_reverse_mode_turns_everything_around() -> None:
+    plain, reverse = make(), make()
+    write(reverse, "Drive Mode", 1)
+    for servo in (plain, reverse):
+        write(servo, "Torque Enable", 1)
+        write(servo, "Goal Position", 2500)
+        run(servo, 1.0)
+        assert abs(servo.get("Present Position") - 2500) <= 3
+    assert reverse.motor.position == pytest.approx(-plain.motor.position, abs=0.01)
+    write(reverse, "Goal Position", 3500)
+    reverse.advance(0.05)
+    assert reverse.motor.velocity < 0
+    assert reverse.get("Present Velocity") > 0 and reverse.get("Present Current") > 0
+
+
+def test_time_based_profile_arrives_in_time() -> None:
+    servo = make()
+    write(servo, "Drive Mode", 4)
+    write(servo, "Profile Velocity", 1000)
+    write(servo, "Profile Acceleration", 300)
+    write(servo, "Torque Enable", 1)
+    write(servo, "Goal Position", 3000)
+    run(servo, 0.5)
+    assert servo.get("Position Trajectory") == pytest.approx((2048 + 3000) / 2, abs=20)
+    assert servo.get("Moving Status") & 0b110010 == 0b110010
+    assert servo.get("Moving") == 1
+    run(servo, 0.7)
+    assert abs(servo.get("Present Position") - 3000) <= 3
+    assert (servo.get("Moving"), servo.get("Moving Status")) == (0, 1)
+
+
+def test_torque_on_by_goal_update() -> None:
+    servo = make()
+    write(servo, "Drive Mode", 8)
+    write(servo, "Goal Position", 2200)
+    assert servo.torque_on
+    servo.fail(OVERLOAD)
+    write(servo, "Goal Position", 2300)
+    assert not servo.torque_on
+
+
+def test_velocity_and_current_modes() -> None:
+    servo = make()
+    write(servo, "Operating Mode", 1)
+    write(servo, "Torque Enable", 1)
+    write(servo, "Profile Acceleration", to_raw(servo.table, "Profile Acceleration", 2.0))
+    write(servo, "Goal Velocity", to_raw(servo.table, "Goal Velocity", 2.0))
+    run(servo, 0.5)
+    assert servo.motor.velocity == pytest.approx(1.0, abs=0.15)
+    run(servo, 1.5)
+    assert servo.motor.velocity == pytest.approx(2.0, abs=0.1)
+    write(servo, "Torque Enable", 0)
+    write(servo, "Operating Mode", 0)
+    servo.motor.jammed = True
+    write(servo, "Torque Enable", 1)
+    write(servo, "Goal Current", to_raw(servo.table, "Goal Current", 0.7))
+    run(servo, 0.2)
+    assert servo.motor.current == pytest.approx(0.7, abs=0.01)
+
+
+def test_extended_position_turns_more_than_once_and_forgets_turns_on_reboot() -> None:
+    servo = make()
+    write(servo, "Operating Mode", 4)
+    assert refusal(servo, "Goal Position", 1_048_576) == StatusError.DATA_LIMIT
+    write(servo, "Torque Enable", 1)
+    write(servo, "Goal Position", 9000)
+    run(servo, 4.0)
+    assert abs(servo.get("Present Position") - 9000) <= 3
+    servo.reboot(0.0)
+    assert abs(servo.get("Present Position") - 9000 % 4096) <= 3
+
+
+def test_goal_pwm_bounds_the_output_of_every_mode() -> None:
+    servo = make()
+    write(servo, "Torque Enable", 1)
+    write(servo, "Goal PWM", 177)
+    write(servo, "Goal Position", 4000)
+    run(servo, 0.3)
+    assert servo.get("Present PWM") == 177
+    assert servo.motor.velocity == pytest.approx(0.2 * 4.82, abs=0.1)
+    assert refusal(servo, "Goal PWM", 886) == StatusError.DATA_LIMIT
+
+
+def test_shutdown_mask_decides_what_goes_limp() -> None:
+    servo = make()
+    write(servo, "Shutdown", INPUT_VOLTAGE)
+    write(servo, "Torque Enable", 1)
+    servo.fail(OVERLOAD)
+    assert servo.torque_on and servo.alert
+    servo.supply_voltage = 9.0
+    run(servo, 0.02)
+    assert not servo.torque_on
+
+
+def test_a_heavy_current_heats_the_motor() -> None:
+    servo = make()
+    servo.motor.jammed = True
+    write(servo, "Operating Mode", 16)
+    write(servo, "Shutdown", 0)
+    write(servo, "Torque Enable", 1)
+    write(servo, "Goal PWM", 600)
+    before = servo.get("Present Temperature")
+    for _ in range(60):
+        servo.hear()
+        servo.advance(1.0)
+    assert servo.get("Present Temperature") > before + 8
+
+
+def test_every_goal_is_kept_and_judged() -> None:
+    servo = make()
+    write(servo, "Min Position Limit", 1000)
+    write(servo, "Max Position Limit", 3000)
+    for value in (1500, 2500):
+        write(servo, "Goal Position", value)
+    assert refusal(servo, "Goal Position", 3001) == StatusError.DATA_LIMIT
+    assert list(servo.goals.values) == [1500, 2500, 3001]
+    assert servo.goals.outside == 1
+    assert servo.goal_extremes == (1500, 2500)
+    assert servo.goals.beyond(1500, 2400) == 2
+
+
+def test_models_differ_in_voltage_and_modes() -> None:
+    small, plain = make(model="XL330-M288"), make(model="XL430-W250")
+    run(small, 0.1)
+    assert small.get("Present Input Voltage") == 50 and not small.alert
+    assert refusal(plain, "Operating Mode", 5) == StatusError.DATA_RANGE
