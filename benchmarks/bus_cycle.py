@@ -18,9 +18,11 @@ import numpy as np
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite
 
 from hw.bus import Bus
-from hw.cycle import METHODS, Cycle
+from hw.cycle import Cycle
+from hw.line import METHODS
 from hw.pace import realtime_priority
 from hw.rig import Rig
+from hw.servos import Servos
 from ros_free_stack.robots import load_robot
 
 CYCLES = 300
@@ -41,11 +43,12 @@ def times_ms(step: Callable[[], bool]) -> list[float]:
 
 def sdk_step(bus: Bus, rig: Rig, length: int, *, fast: bool) -> Callable[[], bool]:
     """One cycle with the SDK's GroupSyncWrite and GroupSyncRead of the first `length` indirect data."""
-    goal = rig.table["Goal Position"]
+    table = rig.tables[0]
+    goal = table["Goal Position"]
     writer = GroupSyncWrite(bus.handler, bus.packets, goal.address, goal.size)
-    reader = GroupSyncRead(bus.handler, bus.packets, rig.table.indirect_blocks[0].data, length)
+    reader = GroupSyncRead(bus.handler, bus.packets, table.indirect_blocks[0].data, length)
     for identity in rig.ids:
-        writer.addParam(identity, list(goal.pack(rig.table.zero_position)))
+        writer.addParam(identity, list(goal.pack(table.zero_position)))
         reader.addParam(identity)
 
     def step() -> bool:
@@ -60,16 +63,16 @@ def measure(port: str) -> dict[str, list[float]]:
     rig = Rig.of_robot(load_robot("op3"))
     found: dict[str, list[float]] = {}
     with Bus(port, rig.baud) as bus:
-        cycle = Cycle(bus, rig)
+        cycle = Cycle(Servos.find(rig, (bus,)))
         patience = bus.serial.timeout
-        address, mapping = cycle.mapping
+        address, mapping = cycle.map_state(0)
         for identity in rig.ids:
             bus.write_bytes(identity, address, mapping)
         bus.serial.timeout = 0  # as the SDK opens it
         found["SDK Sync Read"] = times_ms(sdk_step(bus, rig, len(mapping) // 2, fast=False))
         found["SDK Fast Sync Read"] = times_ms(sdk_step(bus, rig, len(mapping) // 2, fast=True))
         bus.serial.timeout = patience
-        goals = np.full(len(rig.ids), rig.table.zero_position)
+        goals = rig.zero
         for cycle.method in METHODS[:2]:
             found[f"driver {cycle.method}"] = times_ms(lambda: bool(cycle.exchange(goals).fresh.all()))
     return found

@@ -14,8 +14,8 @@ from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
 from serial.tools import list_ports
 
 from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, encode
-from hw.registers import ControlTable, control_table, model_name
-from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError
+from hw.registers import ControlTable, model_name
+from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError, UnknownName
 
 # pyserial lets TypeError out where the descriptor was closed, and termios.error where the device hung up.
 _PORT_ERRORS: tuple[type[Exception], ...] = (serial.SerialException, OSError, TypeError)
@@ -44,7 +44,8 @@ class Bus:
     Attributes:
         port: path.
         baud: bits a second.
-        latency: what became of the port's latency timer, in words.
+        latency: what became of the port's latency timer.
+        alerts: ids of the servos whose last answer to a read, write or reboot had the alert bit set.
     """
 
     def __init__(self, port: str, baud: int) -> None:
@@ -67,7 +68,8 @@ class Bus:
             raise PortError(port, f"cannot be opened ({reason}); serial ports here: {found}; or use sim") from None
         # Wait in the kernel for a whole packet instead of polling for each byte.
         self.serial.timeout = _PATIENCE_S
-        self.latency = _lower_latency(port)
+        self.latency = lower_latency(port)
+        self.alerts: set[int] = set()
 
     @property
     def serial(self) -> serial.Serial:
@@ -106,14 +108,14 @@ class Bus:
             with self.guarded():
                 number, result, _ = self.packets.ping(self.handler, identity)
             if result == COMM_SUCCESS:
-                return model_name(number)
+                return _model(number)
         return None
 
     def scan(self) -> tuple[Device, ...]:
         """All servos that answer a broadcast ping, by id; takes about a second."""
         with self.guarded():
             found, _ = self.packets.broadcastPing(self.handler)
-        return tuple(Device(i, model_name(number), firmware) for i, (number, firmware) in sorted(found.items()))
+        return tuple(Device(i, _model(number), firmware) for i, (number, firmware) in sorted(found.items()))
 
     def read(self, identity: int, table: ControlTable, register: str) -> int:
         """Raw value of a register.
@@ -167,32 +169,45 @@ class Bus:
             raise LostServo([f"servo {identity}"], "to a reboot")
         self._refuse(identity, error, "reboot")
 
-    def table_of(self, identity: int) -> ControlTable:
-        """The control table of whatever servo has this id; LostServo where none answers."""
-        model = self.ping(identity)
-        if model is None:
-            raise LostServo([f"servo {identity}"], f"to a ping at {self.baud} baud on {self.port}")
-        return control_table(model)
-
     def _refuse(self, identity: int, error: int, what: str) -> None:
-        code = error & ~ALERT
-        if code:
-            known = code in StatusError._value2member_map_
-            name = StatusError(code).name.lower().replace("_", " ") if known else f"code {code}"
-            raise BusFault(f"servo {identity} refuses {what}: {name}")
+        (self.alerts.add if error & ALERT else self.alerts.discard)(identity)
+        if code := error & ~ALERT:
+            raise BusFault(f"servo {identity} refuses {what}: {error_name(code)}")
 
 
-def _lower_latency(port: str) -> str:
-    """Set a USB serial adapter's latency timer to 1 ms where Linux lets us; say what happened."""
+@dataclass(frozen=True)
+class Latency:
+    """What became of a port's latency timer: whether it is as low as it should be, and words for a person."""
+
+    ok: bool
+    words: str
+
+
+def lower_latency(port: str, devices: Path = Path("/sys/bus/usb-serial/devices")) -> Latency:
+    """Set a USB serial adapter's latency timer to 1 ms where Linux lets us; `devices` is where it lists them."""
     if not sys.platform.startswith("linux"):
-        return "not settable on this system: set the adapter's latency timer to 1 ms in its driver"
-    file = Path("/sys/bus/usb-serial/devices") / Path(port).resolve().name / "latency_timer"
+        return Latency(False, "not settable on this system: set the adapter's latency timer to 1 ms in its driver")
+    file = devices / Path(port).resolve().name / "latency_timer"
     if not file.exists():
-        return "the port has none"
+        return Latency(True, "the port has none")
     try:
         before = int(file.read_text())
         if before > _LATENCY_MS:
             file.write_text(str(_LATENCY_MS))
-        return f"{_LATENCY_MS} ms" if before > _LATENCY_MS else f"{before} ms"
+        return Latency(True, f"{min(before, _LATENCY_MS)} ms")
     except (OSError, ValueError):
-        return f"not lowered: as root, echo {_LATENCY_MS} > {file}"
+        return Latency(False, f"not lowered to {_LATENCY_MS} ms: as root, echo {_LATENCY_MS} > {file}")
+
+
+def _model(number: int) -> str:
+    """Name of a model, also of one that the SDK does not know: a scan must show it all the same."""
+    try:
+        return model_name(number)
+    except UnknownName:
+        return f"unknown model {number}"
+
+
+def error_name(code: int) -> str:
+    """The error code of a status packet in words."""
+    known = code in StatusError._value2member_map_
+    return StatusError(code).name.lower().replace("_", " ") if known else f"code {code}"

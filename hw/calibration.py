@@ -32,7 +32,7 @@ class JointCalibration:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Calibration of one robot."""
+    """Calibration of one robot, or of the joints that a partial rig has."""
 
     robot: str
     joints: dict[str, JointCalibration]
@@ -54,7 +54,8 @@ def load_calibration(path: Path, robot: RobotDescription) -> Calibration:
 
     Raises:
         InvalidFile: not a calibration.
-        ModelMismatch: it is another robot's, or its ids differ from the robot's servo map.
+        ModelMismatch: it is another robot's, its ids differ from the robot's servo map, or a joint has no room to move
+            between its measured ends and the robot's own range.
     """
     try:
         data: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -62,12 +63,16 @@ def load_calibration(path: Path, robot: RobotDescription) -> Calibration:
     except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise InvalidFile(path, f"not a servo calibration ({type(error).__name__}: {error})") from None
     expected = robot.servos.ids if robot.servos else {}
-    found = {name: joint.id for name, joint in calibration.joints.items()}
-    if calibration.robot != robot.name or found != expected:
-        odd = sorted(name for name in found.keys() | expected.keys() if found.get(name) != expected.get(name))
+    odd = [
+        name
+        for name, joint in calibration.joints.items()
+        if expected.get(name) != joint.id
+        or max(joint.lower, robot.joints[name].lower) >= min(joint.upper, robot.joints[name].upper)
+    ]
+    if calibration.robot != robot.name or odd:
         raise ModelMismatch(
             f"{path}: calibration of {calibration.robot} does not fit {robot.name}"
-            + (f"; joints that differ: {', '.join(odd)}" if odd else "")
+            + (f"; joints that differ in id or range: {', '.join(sorted(odd))}" if odd else "")
         )
     return calibration
 

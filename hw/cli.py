@@ -13,9 +13,10 @@ import tyro
 from hw.bus import Bus
 from hw.calibration import load_calibration
 from hw.rig import Rig
+from hw.servos import Servos, open_ports
 from hw.stream import opened_port, stream
 from ros_free_stack.console import Command, say
-from ros_free_stack.errors import HardwareFault, InvalidOption
+from ros_free_stack.errors import HardwareFault, InvalidOption, LostServo, UnknownName
 from ros_free_stack.files import load_trajectory, load_verdict
 from ros_free_stack.robots import RobotDescription, load_robot
 
@@ -31,13 +32,15 @@ class Stream(Command):
     verdict: Annotated[Path, tyro.conf.Positional]
     """Its verdict (.json)."""
     servo: str = "sim"
-    """Serial port, or "sim" for an emulated bus."""
+    """Serial port, several with commas between them, or "sim" for an emulated bus."""
     telemetry: Path | None = None
     """Record what was commanded and measured (.npz)."""
     calibration: Path | None = None
     """Servo directions, zeros and ranges (.yaml), as `servos calibrate` writes it."""
     joints: tuple[str, ...] | None = None
-    """Move only these joints, on a rig that has only these."""
+    """Move only these joints, on a rig that has only these; the others are skipped."""
+    mount: Literal["free", "fixed"] = "free"
+    """`fixed` for a robot held by its root, which may play what was judged so."""
     at_end: Literal["off", "hold"] = "off"
     """Whether the servos go limp or hold the last pose."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -54,9 +57,12 @@ class Stream(Command):
             dry_run=self.dry_run,
             calibration=self.calibration,
             joints=self.joints,
+            mount=self.mount,
             at_end=self.at_end,
         )
         result = report.as_dict()
+        if report.skipped:
+            say(f"skipped, not on this rig: {', '.join(report.skipped)}")
         if self.dry_run:
             self.report(result, f"dry run: {report.joints} servos on {report.port} are ready, nothing was written")
             return 0
@@ -75,23 +81,35 @@ class BusCommand(Command):
     """Base of the commands that talk to the servos of one robot."""
 
     servo: str = "sim"
-    """Serial port, or "sim" for an emulated bus."""
+    """Serial port, several with commas between them, or "sim" for an emulated bus."""
     robot: str = "op3"
     """Robot whose servo map, baud rate and limits apply."""
     calibration: Path | None = None
     """Servo directions, zeros and ranges (.yaml)."""
 
+    joints: tuple[str, ...] | None = None
+    """Only these joints, on a rig that has only these."""
+
     @contextmanager
-    def opened(self) -> Iterator[tuple[Bus, Rig]]:
-        """The open bus and the robot's rig."""
+    def buses(self) -> Iterator[tuple[Bus, ...]]:
+        """The open ports; says at the end which servos raised their alert."""
         robot = load_robot(self.robot)
-        rig = self.rig(robot)
-        with opened_port(self.servo, robot) as path, Bus(path, rig.baud) as bus:
-            yield bus, rig
+        with opened_port(self.servo, robot) as path, open_ports(path, self.rig(robot).baud) as buses:
+            yield buses
+            for bus in buses:
+                for identity in sorted(bus.alerts):
+                    say(f"warning: servo {identity} on {bus.port} raises its alert: see `servos info`")
+
+    @contextmanager
+    def opened(self) -> Iterator[Servos]:
+        """The robot's servos, found and checked."""
+        with self.buses() as buses:
+            yield Servos.find(self.rig(load_robot(self.robot)), buses)
 
     def rig(self, robot: RobotDescription) -> Rig:
-        """The rig of all joints, calibrated if a calibration is given."""
-        return Rig.of_robot(robot, calibration=load_calibration(self.calibration, robot) if self.calibration else None)
+        """The rig, calibrated if a calibration is given."""
+        calibration = load_calibration(self.calibration, robot) if self.calibration else None
+        return Rig.of_robot(robot, calibration=calibration, only=self.joints)
 
     def table(self, title: str, rows: list[Row]) -> None:
         """Print rows as a table, or as JSON with `--json`."""
@@ -124,16 +142,18 @@ class ServosScan(BusCommand):
         bauds = (57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000) if self.all_bauds else (rig.baud,)
         with opened_port(self.servo, robot) as path:
             for baud in bauds:
-                with Bus(path, baud) as bus:
+                with open_ports(path, baud) as buses:
                     rows += [
                         {
-                            "id": d.id,
-                            "model": d.model,
-                            "firmware": d.firmware,
+                            "id": found.id,
+                            "model": found.model,
+                            "firmware": found.firmware,
                             "baud": baud,
-                            "joint": names.get(d.id, ""),
+                            "port": bus.port,
+                            "joint": names.get(found.id, ""),
                         }
-                        for d in bus.scan()
+                        for bus in buses
+                        for found in bus.scan()
                     ]
         self.table(f"servos on {self.servo}", rows)
         return 0 if rows else HardwareFault.exit_code
@@ -147,14 +167,14 @@ class ServosInfo(BusCommand):
         from hw.safety import hardware_errors
         from hw.units import to_si
 
-        with self.opened() as (bus, rig):
+        with self.opened() as servos:
             rows: list[Row] = []
-            for joint, identity in zip(rig.joints, rig.ids, strict=True):
-                table = bus.table_of(identity)
+            for i, (joint, identity) in enumerate(zip(servos.rig.joints, servos.rig.ids, strict=True)):
+                table = servos.table(i)
                 value = {
-                    name: bus.read(identity, table, name)
+                    name: servos.read(i, name)
                     for name in ("Operating Mode", "Torque Enable", "Present Position", "Present Temperature",
-                                 "Present Input Voltage", "Hardware Error Status")
+                                 "Present Input Voltage", "Bus Watchdog", "Hardware Error Status")
                 }  # fmt: skip
                 error = value["Hardware Error Status"]
                 rows.append(
@@ -162,11 +182,13 @@ class ServosInfo(BusCommand):
                         "id": identity,
                         "joint": joint,
                         "model": table.model,
+                        "port": servos.bus(i).port,
                         "mode": value["Operating Mode"],
                         "torque": bool(value["Torque Enable"]),
                         "position_rad": to_si(table, "Present Position", value["Present Position"]),
                         "temperature_c": value["Present Temperature"],
                         "voltage_v": to_si(table, "Present Input Voltage", value["Present Input Voltage"]),
+                        "watchdog": "tripped" if value["Bus Watchdog"] == 0xFF else "",
                         "error": hardware_errors(error) if error else "",
                     }
                 )
@@ -184,10 +206,14 @@ class ServosRead(BusCommand):
     """Register name as in the e-Manual, e.g. "Present Position"; all where it is left out."""
 
     def run(self) -> int:
+        from hw.registers import control_table
         from hw.units import scale, to_si
 
-        with self.opened() as (bus, _):
-            table = bus.table_of(self.id)
+        with self.buses() as buses:
+            bus, model = next(((bus, model) for bus in buses if (model := bus.ping(self.id)) is not None), (None, ""))
+            if bus is None:
+                raise LostServo([f"servo {self.id}"], f"to a ping on {', '.join(bus.port for bus in buses)}")
+            table = control_table(model)
             names = [self.register] if self.register else [n for n in table.registers if not n.startswith("Indirect")]
             rows: list[Row] = []
             for name in names:
@@ -212,15 +238,21 @@ class ServosConfigure(BusCommand):
     def run(self) -> int:
         from hw.configure import apply_changes, planned_changes
 
-        with self.opened() as (bus, rig):
-            changes = planned_changes(bus, rig)
+        with self.opened() as servos:
+            changes = planned_changes(servos)
             if self.write:
-                apply_changes(bus, rig, changes)
+                apply_changes(servos, changes)
             if self.json:
                 self.report({"written": self.write, "changes": [asdict(change) for change in changes]})
                 return 0
             rows: list[Row] = [
-                dict(zip(("servo", "register", "now", "wanted"), (c.servo, c.register, *c.describe(rig)), strict=True))
+                dict(
+                    zip(
+                        ("servo", "register", "now", "wanted"),
+                        (c.servo, c.register, *c.describe(servos.table(c.index))),
+                        strict=True,
+                    )
+                )
                 for c in changes
             ]
             self.table("written" if self.write else "would be written with --write", rows)
@@ -235,26 +267,30 @@ class ServosReboot(BusCommand):
     """Servo ids; all of the robot where none are given."""
 
     def run(self) -> int:
-        with self.opened() as (bus, rig):
-            chosen = self.ids or rig.ids
+        with self.opened() as servos:
+            place = {identity: servos.bus(i) for i, identity in enumerate(servos.rig.ids)}
+            chosen = self.ids or servos.rig.ids
             for identity in chosen:
-                bus.reboot(identity)
+                if identity not in place:
+                    raise UnknownName("servo id", str(identity), map(str, place))
+            for identity in chosen:
+                place[identity].reboot(identity)
         self.report({"rebooted": list(chosen)}, f"restarted {len(chosen)} servos")
         return 0
 
 
 @dataclass(frozen=True, kw_only=True)
 class ServosRelease(BusCommand):
-    """Switch the torque of every servo off: the robot goes limp, so support it."""
+    """Switch the torque of every servo off and recover tripped watchdogs: the robot goes limp, so support it."""
 
     def run(self) -> int:
         from hw.stop import torque_off
 
-        with self.opened() as (bus, rig):
-            unconfirmed = torque_off(bus, rig)
+        with self.opened() as servos:
+            unconfirmed = torque_off(servos, recover=True)
         if unconfirmed:
             raise HardwareFault(f"torque off NOT confirmed for {', '.join(unconfirmed)}: cut the power")
-        self.report({"released": list(rig.ids)}, f"torque off on {len(rig.ids)} servos")
+        self.report({"released": list(servos.rig.ids)}, f"torque off on {len(servos)} servos")
         return 0
 
 
@@ -270,8 +306,8 @@ class ServosCalibrate(BusCommand):
 
         if not sys.stdin.isatty():
             raise InvalidOption("servos calibrate", "needs a terminal: it asks you to move the robot")
-        with self.opened() as (bus, rig):
-            calibration = calibrate(bus, rig, lambda text: input(f"{text} "))
+        with self.opened() as servos:
+            calibration = calibrate(servos, lambda text: input(f"{text} "))
         calibration.save(self.out)
         self.report({"calibration": str(self.out), "joints": len(calibration.joints)}, f"wrote {self.out}")
         return 0

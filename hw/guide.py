@@ -2,38 +2,37 @@
 
 from collections.abc import Callable
 
-from hw.bus import Bus
 from hw.calibration import Calibration, JointCalibration
-from hw.rig import Rig
+from hw.servos import Servos
 from hw.units import to_si
 from ros_free_stack.errors import InvalidOption, UnsafeCommand
 
 _LEAST_RANGE = 0.2
 
 
-def calibrate(bus: Bus, rig: Rig, ask: Callable[[str], object]) -> Calibration:
+def calibrate(servos: Servos, ask: Callable[[str], object]) -> Calibration:
     """Measure zero, direction and range of each joint.
 
     Args:
-        bus: the open port.
-        rig: the joints, with torque off.
+        servos: the joints, with torque off.
         ask: shows an instruction and returns when the person has done it.
 
     Raises:
         UnsafeCommand: a servo holds torque.
         InvalidOption: a joint hardly moved between its two ends.
     """
-    for i, identity in enumerate(rig.ids):
-        if bus.read(identity, rig.table, "Torque Enable"):
+    rig = servos.rig
+    for i in range(len(servos)):
+        if servos.read(i, "Torque Enable"):
             raise UnsafeCommand(f"{rig.label(i)} holds torque: support the robot, then `servos release`")
     ask(f"Put {rig.robot} in its zero pose (every joint at 0 rad), then press Enter.")
-    zeros = [_angle(bus, rig, i) for i in range(len(rig.ids))]
+    zeros = [_angle(servos, i) for i in range(len(servos))]
     joints: dict[str, JointCalibration] = {}
     for i, joint in enumerate(rig.joints):
         ask(f"Turn {joint} to the end of its positive range ({rig.upper[i]:+.2f} rad), then press Enter.")
-        positive = _angle(bus, rig, i) - zeros[i]
+        positive = _angle(servos, i) - zeros[i]
         ask(f"Turn {joint} to the end of its negative range ({rig.lower[i]:+.2f} rad), then press Enter.")
-        negative = _angle(bus, rig, i) - zeros[i]
+        negative = _angle(servos, i) - zeros[i]
         if abs(positive - negative) < _LEAST_RANGE:
             raise InvalidOption(joint, f"its ends are {abs(positive - negative):.2f} rad apart, expected more")
         direction = 1 if positive > negative else -1
@@ -47,6 +46,6 @@ def calibrate(bus: Bus, rig: Rig, ask: Callable[[str], object]) -> Calibration:
     return Calibration(rig.robot, joints)
 
 
-def _angle(bus: Bus, rig: Rig, i: int) -> float:
+def _angle(servos: Servos, i: int) -> float:
     """Servo angle, rad."""
-    return to_si(rig.table, "Present Position", bus.read(rig.ids[i], rig.table, "Present Position"))
+    return to_si(servos.table(i), "Present Position", servos.read(i, "Present Position"))

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a flag, so that a cycle is never cut in the middle and the controlled stop never at all."""
+"""Ctrl-C, SIGTERM and a lost terminal as a flag, so that no cycle and no controlled stop is cut in the middle."""
 
 import signal
 import threading
@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
+
+_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 @dataclass
@@ -22,7 +24,7 @@ class Interrupts:
 
 @contextmanager
 def caught_interrupts() -> Iterator[Interrupts]:
-    """Catch SIGINT and SIGTERM for a while; a no-op outside the main thread, where Python allows no handlers."""
+    """Catch SIGINT, SIGTERM and SIGHUP for a while; not outside the main thread, where Python allows no handlers."""
     interrupts = Interrupts()
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
@@ -31,7 +33,7 @@ def caught_interrupts() -> Iterator[Interrupts]:
     def remember(number: int, frame: FrameType | None) -> None:
         interrupts.pending = True
 
-    before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, remember) for number in _SIGNALS}
     try:
         yield interrupts
     finally:

@@ -88,7 +88,7 @@ def _eased(duration: float, cycle_s: float) -> tuple[Floats, Floats, Floats, Flo
 
 
 def _check(rig: Rig, frames: Floats, times: Floats, velocity: Floats, acceleration: Floats) -> None:
-    excess = np.maximum(rig.lower - frames, frames - rig.upper) - rig.table.rad_per_tick
+    excess = np.maximum(rig.lower - frames, frames - rig.upper) - rig.tick
     if (excess > 0).any():
         frame, joint = np.unravel_index(int(excess.argmax()), excess.shape)
         raise UnsafeCommand(

@@ -2,15 +2,16 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hw.calibration import Calibration
 from hw.registers import ControlTable, control_table
-from ros_free_stack.errors import InvalidOption, UnknownName, UnsafeCommand
-from ros_free_stack.messages import Floats
-from ros_free_stack.robots import RobotDescription
+from ros_free_stack.errors import InvalidOption, ModelMismatch, UnknownName, UnsafeCommand
+from ros_free_stack.messages import Bools, Floats
+from ros_free_stack.robots import RobotDescription, ServoSafety, ServoSettings
 
 Raw = NDArray[np.int64]
 
@@ -22,10 +23,13 @@ class Rig:
     Attributes:
         robot: name of the robot.
         joints: names.
+        skipped: joints of the robot's servo map that this rig does not have.
         ids: servo ids.
-        table: control table of the servo model.
+        tables: control table of each servo's model.
         baud: bits a second.
         cycle_s: control cycle.
+        settings: how the servos are set up.
+        safety: what stops a stream.
         direction: (N,) 1 or -1: sense of the servo against the joint.
         offset: (N,) servo angle at joint angle 0, rad.
         lower, upper: (N,) joint range, rad.
@@ -34,10 +38,13 @@ class Rig:
 
     robot: str
     joints: tuple[str, ...]
+    skipped: tuple[str, ...]
     ids: tuple[int, ...]
-    table: ControlTable
+    tables: tuple[ControlTable, ...]
     baud: int
     cycle_s: float
+    settings: ServoSettings
+    safety: ServoSafety
     direction: Floats
     offset: Floats
     lower: Floats
@@ -52,25 +59,33 @@ class Rig:
         """The rig of a robot's servo map; with `only`, of these joints alone.
 
         Raises:
-            InvalidOption: the robot has no servos.
-            UnknownName: a joint that has none.
+            InvalidOption: the robot has no servos, or no joint is left.
+            UnknownName: a joint that has none, or a servo model without a control table.
+            ModelMismatch: a joint that the calibration does not cover.
         """
         servos = robot.servos
         if servos is None:
             raise InvalidOption("--robot", f"{robot.name} has no Dynamixel servos in its description")
-        wanted = tuple(only) if only is not None else tuple(joint for joint in robot.joints if joint in servos.ids)
+        wanted = tuple(dict.fromkeys(only)) if only is not None else tuple(j for j in robot.joints if j in servos.ids)
         for joint in wanted:
             if joint not in servos.ids:
                 raise UnknownName(f"joint of {robot.name}", joint, servos.ids)
-        limits = [robot.joints[joint] for joint in wanted]
+        if not wanted:
+            raise InvalidOption("--joints", f"names no joint; {robot.name} has {', '.join(servos.ids)}")
         known = (calibration or Calibration.neutral(robot)).joints
+        if missing := [joint for joint in wanted if joint not in known]:
+            raise ModelMismatch(f"the calibration of {robot.name} lacks {', '.join(missing)}: run `servos calibrate`")
+        limits = [robot.joints[joint] for joint in wanted]
         return cls(
             robot=robot.name,
             joints=wanted,
+            skipped=tuple(joint for joint in robot.joints if joint in servos.ids and joint not in wanted),
             ids=tuple(servos.ids[joint] for joint in wanted),
-            table=control_table(servos.model),
+            tables=tuple(control_table(servos.model_of(joint)) for joint in wanted),
             baud=servos.baud,
             cycle_s=servos.cycle_s,
+            settings=servos.settings,
+            safety=servos.safety,
             direction=np.array([float(known[joint].direction) for joint in wanted]),
             offset=np.array([known[joint].offset for joint in wanted]),
             lower=np.array([max(item.lower, known[j].lower) for item, j in zip(limits, wanted, strict=True)]),
@@ -78,6 +93,21 @@ class Rig:
             velocity=np.array([item.velocity for item in limits]),
             acceleration=np.array([item.acceleration for item in limits]),
         )
+
+    @cached_property
+    def tick(self) -> Floats:
+        """(N,) rad of one position unit. A measured angle may round to half of it beyond its range."""
+        return np.array([table.rad_per_tick for table in self.tables])
+
+    @cached_property
+    def zero(self) -> Raw:
+        """(N,) raw position of servo angle 0."""
+        return np.array([table.zero_position for table in self.tables], dtype=np.int64)
+
+    @cached_property
+    def measures_current(self) -> Bools:
+        """(N,) whether the model measures current; the others report the share of full load."""
+        return np.array(["Present Current" in table for table in self.tables])
 
     def label(self, index: int) -> str:
         """Joint and servo id, for messages."""
@@ -89,7 +119,7 @@ class Rig:
         Raises:
             UnsafeCommand: not finite, or outside the joint's range.
         """
-        bad = ~((angles >= self.lower - self._tick) & (angles <= self.upper + self._tick))
+        bad = ~((angles >= self.lower - self.tick) & (angles <= self.upper + self.tick))
         if bad.any():
             where = tuple(int(i) for i in np.argwhere(bad)[0])
             joint = where[-1]
@@ -98,13 +128,27 @@ class Rig:
                 f"{self.lower[joint]:.3f} to {self.upper[joint]:.3f} rad"
             )
         servo = self.direction * angles + self.offset
-        return np.rint(servo / self.table.rad_per_tick).astype(np.int64) + self.table.zero_position
+        return np.rint(servo / self.tick).astype(np.int64) + self.zero
 
     def to_angles(self, raw: Raw) -> Floats:
-        """Present positions (..., N) to joint angles (..., N)."""
-        return self.direction * ((raw - self.table.zero_position) * self.table.rad_per_tick - self.offset)
+        """Present positions (..., N) to joint angles (..., N), whole turns included."""
+        return self.direction * ((raw - self.zero) * self.tick - self.offset)
 
-    @property
-    def _tick(self) -> float:
-        """A measured angle may round to half a tick beyond its range."""
-        return self.table.rad_per_tick
+    def check_steps(self, start: Floats, goals: Floats) -> None:
+        """Refuse goals (K, N), one a cycle from `start` (N,), that are further apart than the joints may move.
+
+        Raises:
+            UnsafeCommand: names the worst step.
+        """
+        speed = np.abs(np.diff(np.vstack([start, goals]), axis=0)) / self.cycle_s
+        ratio = speed / self.velocity
+        k, joint = np.unravel_index(int(ratio.argmax()), ratio.shape)
+        if ratio[k, joint] > 1 + _ROUNDING:
+            raise UnsafeCommand(
+                f"goal {k} of {self.label(int(joint))} asks for {speed[k, joint]:.2f} rad/s, "
+                f"limit {self.velocity[joint]:.2f} rad/s"
+            )
+
+
+_ROUNDING = 1e-3
+"""Relative excess over a limit that is rounding and no fault."""

@@ -1,44 +1,17 @@
-"""What stops a stream: thresholds, and the watch over every reading."""
+"""What stops a stream: the watch over every reading and over the pace, by the robot's thresholds."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from hw.bus import error_name
 from hw.cycle import Reading
 from hw.rig import Rig
-from ros_free_stack.errors import DeadlineFault, ServoFault, StackError
+from ros_free_stack.errors import BusFault, DeadlineFault, ServoFault, StackError
 from ros_free_stack.messages import Floats
+from ros_free_stack.robots import ServoSafety
 
 HARDWARE_ERRORS = {0: "input voltage", 2: "overheating", 3: "motor encoder", 4: "electrical shock", 5: "overload"}
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Thresholds of the driver.
-
-    Attributes:
-        temperature: deg C.
-        voltage: V; None takes each servo's own minimum.
-        following_error: rad between goal and measured angle, for longer than `following_s`.
-        following_s: s.
-        lost_after: readings in a row that a servo may miss.
-        late_after: cycles in a row that may begin more than one period late.
-        stall_s: longest pause of the computer, s.
-        watchdog_s: silence after which the servos stop by themselves, s (20 ms steps, at most 2.54 s).
-        ramp_speed: rad/s towards the first frame.
-        hold_s: s of holding still before the torque goes off.
-    """
-
-    temperature: float = 70.0
-    voltage: float | None = None
-    following_error: float = 0.5
-    following_s: float = 0.25
-    lost_after: int = 12
-    late_after: int = 25
-    stall_s: float = 0.5
-    watchdog_s: float = 0.2
-    ramp_speed: float = 1.0
-    hold_s: float = 0.3
 
 
 def hardware_errors(bits: int) -> str:
@@ -65,34 +38,46 @@ class Watch:
     """
 
     rig: Rig
-    limits: Limits
+    limits: ServoSafety
     min_voltage: Floats
     lost_replies: int = 0
     max_following_error: float = 0.0
     _missed: np.ndarray = field(init=False)
     _off_track_s: np.ndarray = field(init=False)
+    _strained_s: np.ndarray = field(init=False)
     _late: int = 0
 
     def __post_init__(self) -> None:
         self._missed = np.zeros(len(self.rig.joints), dtype=int)
         self._off_track_s = np.zeros(len(self.rig.joints))
+        self._strained_s = np.zeros(len(self.rig.joints))
+        self._strain = np.where(self.rig.measures_current, self.limits.current, self.limits.load)
 
     def check(self, reading: Reading, goal: Floats) -> None:
         """Judge a reading against the goal that was valid when it was taken (N,) rad.
 
         Raises:
-            ServoFault: hardware error, temperature, voltage, torque gone, watchdog tripped, following error.
+            ServoFault: hardware error, temperature, voltage, torque gone, watchdog tripped, current, following error.
+            BusFault: a servo refuses to be read.
             LostContact: too many readings missed.
         """
         missing = reading.asked & ~reading.fresh
         self._missed = np.where(reading.fresh, 0, self._missed + missing)
         self.lost_replies += int(missing.sum())
         if (self._missed >= self.limits.lost_after).any():
+            self._blame_refusals(reading)
             raise LostContact(tuple(int(i) for i in np.flatnonzero(self._missed)))
         fault = self._fault(reading)
         if fault is not None:
             raise fault
+        self._load(reading)
         self._follow(reading, goal)
+
+    def _blame_refusals(self, reading: Reading) -> None:
+        refusing = (self._missed > 0) & (reading.refusal > 0)
+        if refusing.any():
+            i = int(np.argmax(refusing))
+            raise BusFault(f"{self.rig.label(i)} refuses to be read: {error_name(int(reading.refusal[i]))}")
 
     def _fault(self, reading: Reading) -> StackError | None:
         rig, limits = self.rig, self.limits
@@ -102,7 +87,10 @@ class Watch:
             return ServoFault(rig.label(i), f"hardware error: {problem}; find the cause, then `servos reboot`")
         if reading.tripped.any():
             i = int(np.argmax(reading.tripped))
-            return ServoFault(rig.label(i), f"bus watchdog tripped after {limits.watchdog_s:g} s of silence")
+            return ServoFault(
+                rig.label(i),
+                f"bus watchdog tripped after {limits.watchdog_s:g} s of silence; `servos release` recovers it",
+            )
         if not reading.torque.all():
             return ServoFault(rig.label(int(np.argmin(reading.torque))), "torque went off by itself: it restarted")
         hot = reading.temperature > limits.temperature
@@ -114,6 +102,18 @@ class Watch:
             i = int(np.argmax(low))
             return ServoFault(rig.label(i), f"{reading.voltage[i]:.1f} V, minimum {self.min_voltage[i]:.1f} V")
         return None
+
+    def _load(self, reading: Reading) -> None:
+        strained = np.abs(reading.current) > self._strain
+        self._strained_s = np.where(strained, self._strained_s + self.rig.cycle_s, 0.0)
+        if (self._strained_s > self.limits.current_s).any():
+            i = int(np.argmax(self._strained_s))
+            unit = "A" if self.rig.measures_current[i] else "of full load"
+            raise ServoFault(
+                self.rig.label(i),
+                f"{abs(reading.current[i]):.2f} {unit} for {self._strained_s[i]:.2f} s, limit "
+                f"{self._strain[i]:g} {unit} for {self.limits.current_s:g} s: blocked or overloaded",
+            )
 
     def _follow(self, reading: Reading, goal: Floats) -> None:
         error = np.abs(reading.position - goal)

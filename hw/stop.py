@@ -2,16 +2,17 @@
 
 import time
 
-from hw.bus import Bus
 from hw.cycle import Cycle
-from hw.rig import Raw, Rig
+from hw.rig import Raw
+from hw.servos import Servos
 from ros_free_stack.errors import BusFault, LostServo, PortError
 
 _SHOTS = 5
 _ROUNDS = 3
+_WATCHDOG_TRIPPED = 0xFF
 
 
-def hold(cycle: Cycle, rig: Rig, goals: Raw, seconds: float) -> None:
+def hold(cycle: Cycle, goals: Raw, seconds: float, cycle_s: float) -> None:
     """Command the same goals for a while; whatever the bus does."""
     end = time.perf_counter() + seconds
     while time.perf_counter() < end:
@@ -19,34 +20,49 @@ def hold(cycle: Cycle, rig: Rig, goals: Raw, seconds: float) -> None:
             cycle.exchange(goals)
         except PortError:
             return
-        time.sleep(rig.cycle_s)
+        time.sleep(cycle_s)
 
 
-def torque_off(bus: Bus, rig: Rig) -> tuple[str, ...]:
+def torque_off(servos: Servos, *, recover: bool = False) -> tuple[str, ...]:
     """Switch the torque of every servo off and read back that it is; disarm the watchdogs.
+
+    A watchdog that has tripped stays so, and keeps the servo from moving, unless `recover`.
 
     Returns:
         Labels of the servos that did not confirm it. Their armed watchdog still stops them.
     """
-    open_servos = dict(enumerate(rig.ids))
+    left = list(range(len(servos)))
     for _ in range(_ROUNDS):
+        for _ in range(_SHOTS):
+            try:
+                servos.write_together(left, "Torque Enable", 0)
+            except PortError:
+                # The servos on the other ports were written; who did not hear it shows below.
+                break
+        left = [i for i in left if not _is_off(servos, i, recover=recover)]
+        if not left:
+            break
+    return tuple(servos.rig.label(i) for i in left)
+
+
+def disarm(servos: Servos) -> tuple[str, ...]:
+    """Switch the watchdogs off, so that the servos hold when nobody speaks; return who did not confirm it."""
+    left: list[str] = []
+    for i in range(len(servos)):
         try:
-            for _ in range(_SHOTS):
-                bus.write_together(open_servos.values(), rig.table, "Torque Enable", 0)
-        except PortError:
-            break
-        open_servos = {i: identity for i, identity in open_servos.items() if not _is_off(bus, rig, identity)}
-        if not open_servos:
-            break
-    return tuple(rig.label(i) for i in open_servos)
+            servos.write(i, "Bus Watchdog", 0)
+        except (LostServo, BusFault, PortError):
+            left.append(servos.rig.label(i))
+    return tuple(left)
 
 
-def _is_off(bus: Bus, rig: Rig, identity: int) -> bool:
+def _is_off(servos: Servos, i: int, *, recover: bool) -> bool:
     try:
-        if bus.read(identity, rig.table, "Torque Enable"):
-            bus.write(identity, rig.table, "Torque Enable", 0)
-            return bus.read(identity, rig.table, "Torque Enable") == 0
-        bus.write(identity, rig.table, "Bus Watchdog", 0)
+        if servos.read(i, "Torque Enable"):
+            servos.write(i, "Torque Enable", 0)
+            return servos.read(i, "Torque Enable") == 0
+        if recover or servos.read(i, "Bus Watchdog") != _WATCHDOG_TRIPPED:
+            servos.write(i, "Bus Watchdog", 0)
     except (LostServo, BusFault, PortError):
         return False
     return True

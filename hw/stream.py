@@ -2,24 +2,25 @@
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hw.bus import Bus
 from hw.calibration import load_calibration
-from hw.driver import AtEnd, Driver
+from hw.driver import Driver
 from hw.resample import Goals, ramp, resample
 from hw.rig import Rig
-from hw.safety import Limits
-from hw.telemetry import Telemetry
+from hw.servos import open_ports
+from hw.telemetry import Recording
 from hw.virtual.bus import VirtualBus
+from ros_free_stack.console import say
 from ros_free_stack.errors import ModelMismatch, UnsafeCommand
-from ros_free_stack.messages import RobotTrajectory, Verdict
+from ros_free_stack.files import save_telemetry
+from ros_free_stack.messages import Mount, RobotTrajectory, Verdict
 from ros_free_stack.rate import RateStatistics
-from ros_free_stack.robots import RobotDescription
+from ros_free_stack.robots import RobotDescription, ServoSafety, StopPolicy
 
 SIMULATED = "sim"
 
@@ -30,27 +31,32 @@ class StreamReport:
 
     Attributes:
         port: where it went.
+        mount: whether the robot stood free or was held by its root.
         joints, cycles: how many servos, and how often they were commanded (ramp included).
+        skipped: joints of the robot that this rig does not have.
         rate: achieved rate and jitter; None in a dry run.
         method: how the servos were read.
-        latency_timer: what became of the port's latency timer.
+        latency_timer: what became of each port's latency timer.
         realtime: whether the loop ran with real-time priority.
         lost_replies: readings that did not come and were made up for by the next.
         errors: what went wrong without stopping the stream.
         following_error_rad: largest distance between goal and measured angle.
         following_error_rms_rad: its root mean square over all joints and cycles.
         resampling_error_rad: largest distance of a frame from what was streamed.
-        peak_current_a, peak_temperature_c, min_voltage_v: extremes over all servos.
+        peak_current_a: over the servos that measure current.
+        peak_temperature_c, min_voltage_v: extremes over all servos.
         at_end: "off" or "hold".
         dry_run: nothing was written to the servos.
     """
 
     port: str
+    mount: Mount
     joints: int
+    skipped: tuple[str, ...]
     cycles: int
     rate: RateStatistics | None
     method: str
-    latency_timer: str
+    latency_timer: tuple[str, ...]
     realtime: bool
     lost_replies: int
     errors: tuple[str, ...]
@@ -85,54 +91,62 @@ def stream(
     dry_run: bool = False,
     calibration: Path | None = None,
     joints: Iterable[str] | None = None,
-    limits: Limits | None = None,
-    at_end: AtEnd = "off",
+    mount: Mount = "free",
+    safety: ServoSafety | None = None,
+    at_end: StopPolicy = "off",
 ) -> StreamReport:
     """Stream a trajectory that passed its verdict: ramp to its first frame, then one goal a servo cycle.
 
     Args:
         trajectory: of this robot.
-        verdict: passing, of this very trajectory.
+        verdict: passing, with physics, of this very trajectory.
         robot: must have servos.
-        port: serial port, or "sim" for an emulated bus.
+        port: serial port, several with commas between them, or "sim" for an emulated bus.
         telemetry: `.npz` file for what was commanded and measured; also written when a fault ends the stream.
         dry_run: check everything and read the servos' pose, but write nothing to them.
         calibration: file of servo directions, zeros and ranges; None takes the robot's description.
         joints: stream only these, on a rig that has only these; None streams all.
-        limits: safety thresholds.
+        mount: `fixed` for a robot that hangs from a stand, which may also play what was judged so.
+        safety: thresholds; None takes those of the robot's description.
         at_end: whether the servos go limp or hold at the end.
 
     Raises:
-        UnsafeCommand: no passing verdict of this trajectory and model, or the motion breaks a limit.
+        UnsafeCommand: no passing verdict of this trajectory, model and mount, or the motion breaks a limit.
         ModelMismatch: robot, trajectory and servos do not belong together.
         HardwareFault: port, bus or servo failed; the servos were stopped.
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
-    check_verdict(trajectory, verdict, robot)
+    check_verdict(trajectory, verdict, robot, mount)
     rig = Rig.of_robot(robot, calibration=load_calibration(calibration, robot) if calibration else None, only=joints)
+    rig = rig if safety is None else replace(rig, safety=safety)
     goals = resample(trajectory, rig)
-    with (
-        opened_port(port, robot) as path,
-        Driver(rig, path, limits=limits, at_end=at_end) as driver,
-    ):
+    with opened_port(port, robot) as path, Driver(rig, path, at_end=at_end) as driver:
+        for bus in driver.servos.buses:
+            if not bus.latency.ok:
+                say(f"warning: latency timer of {bus.port} {bus.latency.words}")
         driver.check_goals(goals.angles)
         if dry_run:
             driver.measure()
-            return _report(driver, port, goals, Telemetry(rig, 0), dry_run=True)
+            return _report(driver, port, mount, goals, Recording(rig, 0), dry_run=True)
         start = driver.enable().position
-        path_in = ramp(start, goals.angles[0], speed=driver.limits.ramp_speed, cycle_s=rig.cycle_s)
-        recording = Telemetry(rig, len(path_in) + len(goals.angles) + 1)
+        path_in = ramp(start, goals.angles[0], speed=rig.safety.ramp_speed, cycle_s=rig.cycle_s)
+        recording = Recording(rig, len(path_in) + len(goals.angles) + 1)
         try:
             driver.move_to(goals.angles[0], recording.add)
             driver.follow(goals.angles, recording.add)
         finally:
-            if telemetry is not None:
-                recording.save(telemetry)
-        return _report(driver, port, goals, recording, dry_run=False)
+            if telemetry is not None and recording.cycles:
+                save_telemetry(telemetry, recording.message())
+        return _report(driver, port, mount, goals, recording, dry_run=False)
 
 
-def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription) -> None:
-    """UnsafeCommand unless the verdict passed and is of this trajectory and this robot's model."""
+def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription, mount: Mount) -> None:
+    """Refuse what was not judged feasible for this robot, as it stands.
+
+    Raises:
+        ModelMismatch: the trajectory was made for another robot or model.
+        UnsafeCommand: the verdict did not pass, was made without physics, or is of another trajectory, model or mount.
+    """
     if trajectory.robot != robot.name or trajectory.model_sha256 != robot.sha256:
         raise ModelMismatch(
             f"the trajectory was made for {trajectory.robot} (model {trajectory.model_sha256[:12]}), "
@@ -143,6 +157,12 @@ def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDes
     if not verdict.passed:
         failed = ", ".join(check.name for check in verdict.failures) or "it holds no check"
         raise UnsafeCommand(f"the verdict did not pass ({failed}): only a feasible motion is streamed")
+    if not verdict.physics:
+        raise UnsafeCommand("the verdict was made without physics: judge the trajectory with its playback")
+    if verdict.mount == "fixed" and mount == "free":
+        raise UnsafeCommand(
+            "the verdict is for a robot held by its root, whose balance nobody judged: hang it up and use --mount fixed"
+        )
 
 
 def check_port(port: str, robot: RobotDescription) -> None:
@@ -150,16 +170,17 @@ def check_port(port: str, robot: RobotDescription) -> None:
 
     Raises:
         InvalidOption: the robot has no servos.
-        PortError: the port cannot be opened.
+        PortError: a port cannot be opened.
     """
     rig = Rig.of_robot(robot)
     if port != SIMULATED:
-        Bus(port, rig.baud).close()
+        with open_ports(port, rig.baud):
+            pass
 
 
 @contextmanager
 def opened_port(port: str, robot: RobotDescription) -> Iterator[str]:
-    """The path of a serial port; "sim" starts an emulated bus of the robot's servos for as long as it is used."""
+    """The path of a port, or of several; "sim" starts an emulated bus of the robot's servos while it is used."""
     if port != SIMULATED:
         yield port
         return
@@ -167,23 +188,28 @@ def opened_port(port: str, robot: RobotDescription) -> Iterator[str]:
         yield bus.port
 
 
-def _report(driver: Driver, port: str, goals: Goals, recording: Telemetry, *, dry_run: bool) -> StreamReport:
-    rate = None if dry_run else driver.pace.statistics()
+def _report(
+    driver: Driver, port: str, mount: Mount, goals: Goals, recording: Recording, *, dry_run: bool
+) -> StreamReport:
+    rig = driver.rig
+    rate = None if dry_run else driver.rate.statistics()
     error = recording.column("position")[1:] - recording.column("goal")[:-1]
     return StreamReport(
         port=port,
-        joints=len(driver.rig.joints),
+        mount=mount,
+        joints=len(rig.joints),
+        skipped=rig.skipped,
         cycles=rate.cycles if rate else 0,
         rate=rate,
         method=driver.cycle.method,
-        latency_timer=driver.bus.latency,
+        latency_timer=tuple(f"{bus.port}: {bus.latency.words}" for bus in driver.servos.buses),
         realtime=driver.realtime,
         lost_replies=driver.watch.lost_replies,
         errors=_complaints(driver, rate),
         following_error_rad=driver.watch.max_following_error,
         following_error_rms_rad=float(np.sqrt(np.mean(error**2))) if error.size else 0.0,
         resampling_error_rad=goals.deviation,
-        peak_current_a=float(np.abs(recording.column("current")).max(initial=0.0)),
+        peak_current_a=float(np.abs(recording.column("current")[:, rig.measures_current]).max(initial=0.0)),
         peak_temperature_c=float(recording.column("temperature").max(initial=0.0)),
         min_voltage_v=float(recording.column("voltage").min(initial=np.inf)) if error.size else 0.0,
         at_end=driver.at_end,

@@ -1,7 +1,7 @@
 """Raw register values to SI units and back: rad, rad/s, A, V, deg C, s.
 
-Scales come from the SDK's model files where they have them; the rest are the e-Manual's units, the same for every
-X-series model except that of current.
+Scales of position and velocity come from each model's file in the SDK. What the files leave raw has the e-Manual's
+units, the same for every X-series model except that of current.
 """
 
 import math
@@ -41,9 +41,13 @@ _FIXED = {
 }
 
 
+_AMPERES = (("330", 1e-3), ("XH430-V", 1.34e-3), ("", 2.69e-3))
+"""A of one unit of current by part of the model's name, the first that fits (e-Manual, "Goal Current")."""
+
+
 def amperes_per_unit(model: str) -> float:
-    """Current of one unit in A (e-Manual, "Goal Current"): 1 mA for the 330 sizes, else 2.69 mA."""
-    return 1e-3 if "330" in model else 2.69e-3
+    """Current of one unit in A."""
+    return next(amperes for part, amperes in _AMPERES if part in model)
 
 
 def scale(table: ControlTable, register: str) -> tuple[float, int, str]:
@@ -57,7 +61,7 @@ def scale(table: ControlTable, register: str) -> tuple[float, int, str]:
         return table.rad_per_tick, table.zero_position, "rad"
     if name == "Homing Offset":
         return table.rad_per_tick, 0, "rad"
-    if name in _VELOCITIES:
+    if name in _VELOCITIES and "Present Velocity" in table.scales:
         return table.scales["Present Velocity"][0], 0, "rad/s"
     if name in ("Goal Current", "Present Current", "Current Limit"):
         return amperes_per_unit(table.model), 0, "A"

@@ -1,12 +1,12 @@
 """The `robots` and `doctor` subcommands: what is described, and what this machine has."""
 
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
 
 import tyro
 
 from ros_free_stack.console import Command
-from ros_free_stack.robots import load_robot, robot_names
+from ros_free_stack.robots import ServoMap, load_robot, robot_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +29,7 @@ class RobotsList(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class RobotsShow(Command):
-    """Show one robot: joints with their limits, and where the limits come from.
+    """Show one robot: joints with their limits and servos, where the limits come from, and what stops the servos.
 
     Example: python launch.py robots show op3
     """
@@ -46,17 +46,35 @@ class RobotsShow(Command):
                 "acceleration_rad_s2": limits.acceleration,
                 "effort_n_m": limits.effort,
                 "servo_id": robot.servos.ids.get(name) if robot.servos else None,
+                "servo_model": robot.servos.model_of(name) if robot.servos and name in robot.servos.ids else None,
             }
             for name, limits in robot.joints.items()
         }
         lines = [f"{robot.title}: {robot.model_path.name}, sha256 {robot.sha256[:12]}", robot.limits_source.strip()]
         lines += [
             f"{name:28s} {limits.lower:7.3f} to {limits.upper:6.3f} rad  {limits.velocity:5.2f} rad/s  "
-            f"{limits.effort:5.1f} N m" + (f"  servo {robot.servos.ids[name]}" if robot.servos else "")
+            f"{limits.effort:5.1f} N m{_servo(robot.servos, name)}"
             for name, limits in robot.joints.items()
         ]
-        self.report({"name": robot.name, "title": robot.title, "sha256": robot.sha256, "joints": joints}, *lines)
+        result: dict[str, Any] = {"name": robot.name, "title": robot.title, "sha256": robot.sha256, "joints": joints}
+        if robot.servos is not None:
+            settings, safety = asdict(robot.servos.settings), asdict(robot.servos.safety)
+            result |= {"baud": robot.servos.baud, "cycle_s": robot.servos.cycle_s}
+            result |= {"servo_settings": settings, "servo_safety": safety}
+            lines += [f"servos at {robot.servos.baud} baud, one cycle in {1e3 * robot.servos.cycle_s:g} ms"]
+            lines += [f"servo settings: {_items(settings)}", f"servo safety: {_items(safety)}"]
+        self.report(result, *lines)
         return 0
+
+
+def _servo(servos: ServoMap | None, joint: str) -> str:
+    if servos is None or joint not in servos.ids:
+        return ""
+    return f"  servo {servos.ids[joint]:3d}, {servos.model_of(joint)}"
+
+
+def _items(values: dict[str, Any]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in values.items() if value is not None)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,14 +11,14 @@ import zipfile
 import zlib
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ros_free_stack.errors import InvalidFile, InvalidMessage
-from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, Verdict
+from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, ServoTelemetry, Verdict
 
 FORMAT_VERSION = 1
 CONVENTIONS = "metres, radians, seconds; world z up, x forward; quaternions wxyz"
@@ -170,6 +170,22 @@ def save_trajectory_csv(path: Path, trajectory: RobotTrajectory) -> None:
         writer.writerows([[f"{value:.8g}" for value in row] for row in table])
 
 
+def save_telemetry(path: Path, telemetry: ServoTelemetry) -> None:
+    """Write a ServoTelemetry as `.npz`."""
+    arrays = {item.name: getattr(telemetry, item.name) for item in fields(telemetry)}
+    _save(path, "servo_telemetry", **(arrays | {"joint_names": np.array(telemetry.joint_names, dtype=np.str_)}))
+
+
+def load_telemetry(path: Path) -> ServoTelemetry:
+    """Read a ServoTelemetry; InvalidFile where the file is not one."""
+    data = _load(path, "servo_telemetry")
+    try:
+        arrays = {item.name: data[item.name] for item in fields(ServoTelemetry)}
+        return ServoTelemetry(**(arrays | {"robot": str(data["robot"]), "joint_names": tuple(data["joint_names"])}))  # pyright: ignore[reportArgumentType]
+    except (KeyError, ValueError, InvalidMessage) as error:
+        raise InvalidFile(path, f"not valid servo telemetry: {error}") from None
+
+
 def save_verdict(path: Path, verdict: Verdict) -> None:
     """Write a verdict as JSON, with the overall result first."""
     write_json(path, {"passed": verdict.passed, **asdict(verdict)})
@@ -184,5 +200,5 @@ def load_verdict(path: Path) -> Verdict:
         data.pop("passed")
         data["checks"] = tuple(Check(**check) for check in data["checks"])
         return Verdict(**data)
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, InvalidMessage) as error:
         raise InvalidFile(path, f"not a verdict: {error}") from None

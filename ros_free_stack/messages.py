@@ -1,9 +1,9 @@
 """The frozen messages that cross from one stage to the next. Arrays are read-only and checked on construction."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from ros_free_stack.skeleton import JOINT_COUNT
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Mount = Literal["free", "fixed"]
 
 
 def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: Any = np.float64) -> Any:
@@ -167,17 +168,36 @@ class Check:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The judgement of one trajectory: passed only if every check passed and there is at least one."""
+    """The judgement of one trajectory: passed only if every check passed and there is at least one.
+
+    Attributes:
+        robot: name of the robot description.
+        model_sha256: `RobotDescription.sha256` of the robot that was judged.
+        trajectory_digest: `RobotTrajectory.digest` of what was judged.
+        checks: every check that was made.
+        notes: what the checks do not say.
+        physics: whether the trajectory was also played in physics; servos take no other verdict.
+        mount: `free` for a robot on the floor, `fixed` for one held by its root, whose balance was not judged.
+    """
 
     robot: str
     model_sha256: str
     trajectory_digest: str
     checks: tuple[Check, ...]
     notes: tuple[str, ...] = ()
+    physics: bool = False
+    mount: Mount = "free"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checks", tuple(self.checks))
         object.__setattr__(self, "notes", tuple(self.notes))
+        # A word in place of a truth value would count as true.
+        flags: list[tuple[str, object]] = [("physics", self.physics), *(("checks", c.passed) for c in self.checks)]
+        for name, value in flags:
+            if not isinstance(value, bool | np.bool_):
+                raise InvalidMessage("Verdict", name, f"expected true or false, found {value!r}")
+        if self.mount not in get_args(Mount):
+            raise InvalidMessage("Verdict", "mount", f"expected {' or '.join(get_args(Mount))}, found {self.mount!r}")
 
     @property
     def passed(self) -> bool:
@@ -189,23 +209,44 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class ServoState:
-    """One reading of all servos, each mapping keyed by joint name.
+class ServoTelemetry:
+    """What a stream to servos commanded and measured in K cycles of N joints.
 
     Attributes:
-        time_s: monotonic time of the reading.
-        position: rad.
-        velocity: rad/s.
-        current: A.
-        temperature: deg C.
-        voltage: V.
-        error: hardware-error bits (control table address 70); 0 is healthy.
+        robot: name of the robot description.
+        joint_names: N names of the joints that were streamed.
+        time_s: (K,) time of each cycle since the first, s.
+        late_s: (K,) how late each cycle began against its deadline, s.
+        goal: (K, N) commanded angle, rad.
+        fresh: (K, N) whether the servo answered in this cycle; where not, its last values stand.
+        position: (K, N) measured angle, rad.
+        velocity: (K, N) rad/s.
+        current: (K, N) A; the share of full load for servos that measure no current.
+        voltage: (K, N) V.
+        temperature: (K, N) deg C.
     """
 
-    time_s: float
-    position: dict[str, float] = field(default_factory=dict[str, float])
-    velocity: dict[str, float] = field(default_factory=dict[str, float])
-    current: dict[str, float] = field(default_factory=dict[str, float])
-    temperature: dict[str, float] = field(default_factory=dict[str, float])
-    voltage: dict[str, float] = field(default_factory=dict[str, float])
-    error: dict[str, int] = field(default_factory=dict[str, int])
+    robot: str
+    joint_names: tuple[str, ...]
+    time_s: Floats
+    late_s: Floats
+    goal: Floats
+    fresh: Bools
+    position: Floats
+    velocity: Floats
+    current: Floats
+    voltage: Floats
+    temperature: Floats
+
+    def __post_init__(self) -> None:
+        kind = "ServoTelemetry"
+        object.__setattr__(self, "joint_names", tuple(str(name) for name in self.joint_names))
+        object.__setattr__(self, "time_s", _array(kind, "time_s", self.time_s, (None,)))
+        object.__setattr__(self, "late_s", _array(kind, "late_s", self.late_s, (len(self.time_s),)))
+        shape = (len(self.time_s), len(self.joint_names))
+        object.__setattr__(self, "fresh", _array(kind, "fresh", self.fresh, shape, np.bool_))
+        for name in ("goal", *self.MEASURED):
+            object.__setattr__(self, name, _array(kind, name, getattr(self, name), shape))
+
+    MEASURED: ClassVar[tuple[str, ...]] = ("position", "velocity", "current", "voltage", "temperature")
+    """Names of the measured arrays."""

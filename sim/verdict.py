@@ -70,6 +70,8 @@ def judge(
         trajectory_digest=trajectory.digest,
         checks=tuple(checks),
         notes=tuple(notes),
+        physics=physics,
+        mount=mount,
     )
     return Judgement(verdict, reference, playback)
 

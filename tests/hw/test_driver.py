@@ -1,5 +1,6 @@
 """The driver on an emulated bus: what it does when all goes well, and for each fault that it stops, and how."""
 
+import signal
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -10,7 +11,9 @@ from hw.cycle import Reading
 from hw.driver import Driver
 from hw.protocol import Instruction
 from hw.rig import Rig
-from hw.safety import Limits
+from hw.servos import Servos, open_ports
+from hw.stop import torque_off
+from hw.units import to_si
 from hw.virtual.bus import VirtualBus
 from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Servo
 from ros_free_stack.errors import (
@@ -22,15 +25,19 @@ from ros_free_stack.errors import (
     ServoFault,
     UnsafeCommand,
 )
-from ros_free_stack.robots import load_robot
+from ros_free_stack.robots import ServoSafety, ServoSettings, load_robot
 
 JOINTS = ("head_pan", "r_el", "l_knee")
 OP3 = load_robot("op3")
-RIG = Rig.of_robot(OP3, only=JOINTS)
-STAND = np.array([OP3.standing.get(joint, 0.0) for joint in JOINTS])
 # A busy test computer may stall for longer than a robot could bear.
-LIMITS = Limits(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=25)
+SAFETY = ServoSafety(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=25)
+RIG = replace(Rig.of_robot(OP3, only=JOINTS), safety=SAFETY)
+STAND = np.array([OP3.standing.get(joint, 0.0) for joint in JOINTS])
 WAVE = STAND + np.outer(0.15 * (1 - np.cos(np.linspace(0, 2 * np.pi, 125))), [1.0, -1.0, 1.0])
+
+
+def with_safety(**changes: object) -> Rig:
+    return replace(RIG, safety=replace(SAFETY, **changes))  # type: ignore[arg-type]
 
 
 def make_bus(**options: object) -> VirtualBus:
@@ -46,7 +53,7 @@ def bus() -> Iterator[VirtualBus]:
         yield bus
 
 
-def play(bus: VirtualBus, *, at: int = -1, fault: Callable[[], None] | None = None, limits: Limits = LIMITS) -> Driver:
+def play(bus: VirtualBus, *, at: int = -1, fault: Callable[[], None] | None = None, rig: Rig = RIG) -> Driver:
     """Stream the wave; let `fault` happen in cycle `at`."""
     count = 0
 
@@ -57,7 +64,7 @@ def play(bus: VirtualBus, *, at: int = -1, fault: Callable[[], None] | None = No
                 fault()
         count += 1
 
-    with Driver(RIG, bus.port, limits=limits) as driver:
+    with Driver(rig, bus.port) as driver:
         driver.check_goals(WAVE)
         driver.enable()
         driver.move_to(WAVE[0])
@@ -82,7 +89,7 @@ def test_a_stream_that_goes_well(bus: VirtualBus) -> None:
     driver = play(bus)
     assert driver.cycle.method == "fast sync read"
     assert 0 < driver.watch.max_following_error < 0.2
-    assert driver.pace.statistics().cycles >= len(WAVE)
+    assert driver.rate.statistics().cycles >= len(WAVE)
     assert torques(bus) == [False] * 3
     assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
     assert_no_goal_outside_limits(bus)
@@ -104,7 +111,7 @@ def test_older_firmware_is_read_another_way(unsupported: set[Instruction], metho
 def test_lost_and_damaged_packets_are_borne(bus: VirtualBus) -> None:
     bus.faults.drop = bus.faults.corrupt = bus.faults.noise = bus.faults.drop_instruction = 0.04
     seen: list[Reading] = []
-    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+    with Driver(RIG, bus.port) as driver:
         driver.enable()
         driver.move_to(WAVE[0])
         driver.follow(WAVE, lambda time_s, late_s, goal, reading: seen.append(reading))
@@ -138,6 +145,10 @@ def sag(bus: VirtualBus, identity: int) -> None:
     bus.servo(identity).supply_voltage = 9.0
 
 
+def block(bus: VirtualBus, identity: int) -> None:
+    bus.servo(identity).motor.jammed = True
+
+
 FAULTS: dict[str, tuple[Callable[[VirtualBus, int], None], type[HardwareFault], str]] = {
     "overload": (lambda bus, i: bus.servo(i).fail(OVERLOAD), ServoFault, "r_el .servo 5.: hardware error: overload"),
     "alert only": (lambda bus, i: bus.servo(i).fail(INPUT_VOLTAGE), ServoFault, "r_el .* input voltage"),
@@ -168,7 +179,7 @@ def test_a_bus_that_carries_only_noise(bus: VirtualBus) -> None:
         bus.faults.corrupt = 1.0
 
     with pytest.raises((BusFault, LostServo)):
-        play(bus, at=30, fault=garble, limits=replace(LIMITS, lost_after=5))
+        play(bus, at=30, fault=garble, rig=with_safety(lost_after=5))
     # The torque is off although no servo could confirm it: the servos hear, only their answers are damaged.
     assert torques(bus) == [False] * 3
 
@@ -177,7 +188,7 @@ def test_a_port_that_goes_away() -> None:
     bus = make_bus()
     bus.start()
     try:
-        with pytest.raises(PortError, match=r"went away|NOT confirmed"), Driver(RIG, bus.port, limits=LIMITS) as driver:
+        with pytest.raises(PortError, match=r"went away|NOT confirmed"), Driver(RIG, bus.port) as driver:
             driver.enable()
             driver.follow(WAVE[:10])
             bus.stop()
@@ -187,13 +198,13 @@ def test_a_port_that_goes_away() -> None:
 
 
 def test_hold_at_the_end(bus: VirtualBus) -> None:
-    with Driver(RIG, bus.port, limits=LIMITS, at_end="hold") as driver:
+    with Driver(RIG, bus.port, at_end="hold") as driver:
         driver.enable()
         driver.move_to(WAVE[40])
     assert torques(bus) == [True] * 3
     assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
     # A second stream takes over without letting go, since the state is mapped already.
-    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+    with Driver(RIG, bus.port) as driver:
         reading = driver.enable()
         assert np.allclose(reading.position, WAVE[40], atol=0.02)
     assert torques(bus) == [False] * 3
@@ -201,7 +212,7 @@ def test_hold_at_the_end(bus: VirtualBus) -> None:
 
 def test_torque_held_by_someone_else_is_not_dropped(bus: VirtualBus) -> None:
     bus.servo(5).set("Torque Enable", 1)
-    with pytest.raises(UnsafeCommand, match=r"r_el .* holds torque"), Driver(RIG, bus.port, limits=LIMITS) as driver:
+    with pytest.raises(UnsafeCommand, match=r"r_el .* holds torque"), Driver(RIG, bus.port) as driver:
         driver.enable()
     assert bus.servo(5).torque_on
 
@@ -212,7 +223,14 @@ def test_torque_held_by_someone_else_is_not_dropped(bus: VirtualBus) -> None:
         (lambda servo: setattr(servo, "dead", True), LostServo, "r_el .servo 5."),
         (lambda servo: servo.set("Model Number", 1030), ModelMismatch, "XM430-W210.*XM430-W350"),
         (lambda servo: servo.fail(OVERLOAD), ServoFault, "overload.*reboot"),
-        (lambda servo: servo.set("Operating Mode", 1), UnsafeCommand, "operating mode 1, valid: 3"),
+        (
+            lambda servo: servo.set("Operating Mode", 1),
+            UnsafeCommand,
+            "Operating Mode 1, op3 needs 3 .position.*configure",
+        ),
+        (lambda servo: servo.set("Drive Mode", 1), UnsafeCommand, "Drive Mode 1, op3 needs 0"),
+        (lambda servo: servo.set("Homing Offset", 100), UnsafeCommand, "Homing Offset 100, op3 needs 0"),
+        (lambda servo: servo.set("Bus Watchdog", 255), ServoFault, "watchdog tripped.*servos release.*recover"),
     ],
 )
 def test_what_is_checked_before_anything_moves(
@@ -220,7 +238,7 @@ def test_what_is_checked_before_anything_moves(
 ) -> None:
     with bus.locked:
         change(bus.servo(5))
-    with pytest.raises(error, match=words), Driver(RIG, bus.port, limits=LIMITS):
+    with pytest.raises(error, match=words), Driver(RIG, bus.port):
         pass
     assert torques(bus) == [False] * 3
     assert bus.servo(5).goal_extremes is None
@@ -229,7 +247,7 @@ def test_what_is_checked_before_anything_moves(
 def test_goals_outside_are_refused_before_the_first_is_sent(bus: VirtualBus) -> None:
     wild = WAVE.copy()
     wild[100, 2] = 3.0
-    with Driver(RIG, bus.port, limits=LIMITS) as driver:
+    with Driver(RIG, bus.port) as driver:
         driver.enable()
         sent = [bus.servo(i).goal_extremes for i in RIG.ids]
         with pytest.raises(UnsafeCommand, match=r"l_knee .* 3.000 rad is outside"):
@@ -244,3 +262,92 @@ def test_goals_outside_are_refused_before_the_first_is_sent(bus: VirtualBus) -> 
 def test_a_missing_port_lists_the_ports() -> None:
     with pytest.raises(PortError, match=r"/dev/nothing: cannot be opened .*serial ports here"):
         Driver(RIG, "/dev/nothing").__enter__()
+
+
+def test_goals_too_far_apart_are_refused_before_the_first_is_sent(bus: VirtualBus) -> None:
+    jump = WAVE.copy()
+    jump[60:, 1] -= 0.2
+    with Driver(RIG, bus.port) as driver:
+        driver.enable()
+        driver.move_to(WAVE[0])
+        sent = [bus.servo(i).goal_extremes for i in RIG.ids]
+        with pytest.raises(UnsafeCommand, match=r"goal 60 of r_el .* rad/s, limit 4.30 rad/s"):
+            driver.follow(jump)
+        assert [bus.servo(i).goal_extremes for i in RIG.ids] == sent
+
+
+def test_a_blocked_joint_trips_on_its_current(bus: VirtualBus) -> None:
+    rig = with_safety(current=0.3, current_s=0.1, following_error=3.0)
+    with pytest.raises(ServoFault, match=r"r_el .* A for .* limit 0.3 A for 0.1 s: blocked"):
+        play(bus, at=20, fault=lambda: block(bus, 5), rig=rig)
+    assert torques(bus) == [False] * 3
+
+
+def test_a_fault_can_end_in_a_hold(bus: VirtualBus) -> None:
+    with pytest.raises(ServoFault, match="75 deg C"):
+        play(bus, at=20, fault=lambda: heat(bus, 5), rig=with_safety(on_fault="hold"))
+    assert torques(bus) == [True] * 3
+    assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
+    # It holds where it stopped, not where it was going.
+    with bus.locked:
+        for identity in RIG.ids:
+            assert abs(bus.servo(identity).get("Goal Position") - bus.servo(identity).get("Present Position")) < 60
+
+
+def test_a_tripped_watchdog_is_recovered_on_purpose_only(bus: VirtualBus) -> None:
+    def trip() -> None:
+        bus.servo(5).set("Bus Watchdog", 0xFF)
+
+    with pytest.raises(ServoFault, match="watchdog tripped after"):
+        play(bus, at=30, fault=trip)
+    assert torques(bus) == [False] * 3
+    assert bus.servo(5).get("Bus Watchdog") == 0xFF
+    with pytest.raises(ServoFault, match="servos release"):
+        play(bus)
+    with open_ports(bus.port, RIG.baud) as buses:
+        assert torque_off(Servos.find(RIG, buses), recover=True) == ()
+    play(bus)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_on_a_failing_bus_ends_with_torque_off(bus: VirtualBus, number: signal.Signals) -> None:
+    def fail() -> None:
+        bus.faults.corrupt = 1.0
+        signal.raise_signal(number)
+
+    before = signal.getsignal(number)
+    with pytest.raises(KeyboardInterrupt):
+        play(bus, at=30, fault=fail)
+    # The servos hear, although none of their answers arrives whole.
+    assert torques(bus) == [False] * 3
+    assert signal.getsignal(number) == before
+
+
+def test_an_exception_of_the_caller_ends_with_torque_off(bus: VirtualBus) -> None:
+    def fail() -> None:
+        raise RuntimeError("the caller broke")
+
+    with pytest.raises(RuntimeError, match="the caller broke"):
+        play(bus, at=30, fault=fail)
+    assert torques(bus) == [False] * 3
+
+
+def test_gains_and_profile_come_from_the_description(bus: VirtualBus) -> None:
+    rig = replace(RIG, settings=ServoSettings(p_gain=640, d_gain=40, profile_acceleration=40.0))
+    with Driver(rig, bus.port) as driver:
+        driver.enable()
+        servo = bus.servo(5)
+        assert [servo.get(f"Position {name} Gain") for name in "PID"] == [640, 0, 40]
+        assert to_si(servo.table, "Profile Acceleration", servo.get("Profile Acceleration")) == pytest.approx(40, abs=1)
+
+
+def test_current_based_position_limits_the_goal_current(bus: VirtualBus) -> None:
+    rig = replace(RIG, settings=ServoSettings(mode="current-based position", current_limit=1.0))
+    with pytest.raises(UnsafeCommand, match="Operating Mode 3, op3 needs 5"), Driver(rig, bus.port):
+        pass
+    with bus.locked:
+        for identity in RIG.ids:
+            bus.servo(identity).set("Operating Mode", 5)
+    with Driver(rig, bus.port) as driver:
+        driver.enable()
+        assert to_si(bus.servo(5).table, "Goal Current", bus.servo(5).get("Goal Current")) == pytest.approx(1, abs=0.01)

@@ -13,16 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hw.safety import Limits
 from hw.stream import check_port, stream
 from hw.virtual.bus import VirtualBus
-from ros_free_stack.errors import InvalidOption, ModelMismatch, PortError, UnsafeCommand
-from ros_free_stack.files import save_trajectory, save_verdict
-from ros_free_stack.messages import Check, RobotTrajectory, Verdict
-from ros_free_stack.robots import RobotDescription, load_robot
+from ros_free_stack.errors import InvalidOption, LostServo, ModelMismatch, PortError, ServoFault, UnsafeCommand
+from ros_free_stack.files import load_telemetry, save_trajectory, save_verdict
+from ros_free_stack.messages import Check, Mount, RobotTrajectory, Verdict
+from ros_free_stack.robots import RobotDescription, ServoSafety, load_robot
 
 OP3 = load_robot("op3")
-LIMITS = Limits(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=50)
+SAFETY = ServoSafety(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=50)
 ROOT = Path(__file__).parents[2]
 
 
@@ -47,13 +46,13 @@ def motion(robot: RobotDescription = OP3, *, seconds: float = 2.0, fps: float = 
 
 def judged(trajectory: RobotTrajectory, *, passed: bool = True) -> Verdict:
     check = Check("joint_range", 0.0, "rad", 1.0, passed)
-    return Verdict(trajectory.robot, trajectory.model_sha256, trajectory.digest, (check,))
+    return Verdict(trajectory.robot, trajectory.model_sha256, trajectory.digest, (check,), physics=True)
 
 
 def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
     trajectory, file = motion(), tmp_path / "telemetry.npz"
     with VirtualBus.of_robot(OP3) as bus:
-        report = stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, limits=LIMITS)
+        report = stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, safety=SAFETY)
         servos = list(bus.network.servos.values())
         assert not any(servo.torque_on for servo in servos)
         assert not any(servo.refusals for servo in servos)
@@ -67,19 +66,18 @@ def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
     data = report.as_dict()
     json.dumps(data)
     assert {"cycles", "rate_hz", "jitter_p99_ms", "errors"} <= data.keys()
-    with np.load(file) as recorded:
-        assert list(recorded["joint_names"]) == list(OP3.joint_names)
-        assert recorded["goal"].shape == recorded["position"].shape == (report.cycles, 20)
-        column = OP3.joint_names.index("r_el")
-        swing = np.ptp(recorded["position"][:, column])
-        assert swing == pytest.approx(0.6, abs=0.1)
+    recorded = load_telemetry(file)
+    assert recorded.joint_names == OP3.joint_names
+    assert recorded.goal.shape == recorded.position.shape == (report.cycles, 20)
+    assert np.ptp(recorded.position[:, OP3.joint_names.index("r_el")]) == pytest.approx(0.6, abs=0.1)
 
 
 def test_sim_starts_its_own_bus_and_a_partial_rig_moves_only_its_joints() -> None:
     trajectory = motion(seconds=0.5)
-    report = stream(trajectory, judged(trajectory), OP3, port="sim", joints=("r_el", "r_sho_roll"), limits=LIMITS)
+    report = stream(trajectory, judged(trajectory), OP3, port="sim", joints=("r_el", "r_sho_roll"), safety=SAFETY)
     assert report.joints == 2
     assert report.cycles > 0
+    assert len(report.skipped) == 18 and "r_el" not in report.skipped
 
 
 def test_a_dry_run_writes_nothing() -> None:
@@ -101,10 +99,52 @@ def test_only_a_passing_verdict_of_this_trajectory_opens_the_way() -> None:
         stream(trajectory, judged(other), OP3, port=no_port)
     with pytest.raises(UnsafeCommand, match="holds no check"):
         stream(trajectory, replace(judged(trajectory), checks=()), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="without physics"):
+        stream(trajectory, replace(judged(trajectory), physics=False), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="another trajectory or model"):
+        stream(trajectory, replace(judged(trajectory), model_sha256="0" * 64), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="--mount fixed"):
+        stream(trajectory, replace(judged(trajectory), mount="fixed"), OP3, port=no_port)
     with pytest.raises(ModelMismatch, match="retarget and judge"):
         stream(trajectory, judged(trajectory), replace(OP3, sha256="0" * 64), port=no_port)
     with pytest.raises(PortError, match=no_port):
         stream(trajectory, judged(trajectory), OP3, port=no_port)
+
+
+@pytest.mark.parametrize("mount", ["free", "fixed"])
+def test_a_fixed_mount_plays_both_verdicts(mount: Mount) -> None:
+    trajectory = motion(seconds=0.2)
+    verdict = replace(judged(trajectory), mount=mount)
+    assert stream(trajectory, verdict, OP3, port="sim", mount="fixed", dry_run=True).mount == "fixed"
+
+
+def test_a_rig_with_some_joints_present_names_the_missing_until_they_are_left_out() -> None:
+    trajectory = motion(seconds=0.2)
+    present = ("r_el", "r_sho_roll", "r_sho_pitch")
+    with VirtualBus.of_robot(OP3) as bus:
+        with bus.locked:
+            for joint, identity in (OP3.servos.ids if OP3.servos else {}).items():
+                bus.servo(identity).dead = joint not in present and joint.startswith("r_")
+        with pytest.raises(LostServo, match=r"no answer from r_hip_yaw .servo 7., .*--joints"):
+            stream(trajectory, judged(trajectory), OP3, port=bus.port, dry_run=True)
+        report = stream(trajectory, judged(trajectory), OP3, port=bus.port, joints=present, safety=SAFETY)
+        assert report.joints == 3 and len(report.skipped) == 17
+        assert all(bus.servo(i).goal_extremes is None for i in (7, 8, 19))
+
+
+def test_telemetry_outlives_a_fault(tmp_path: Path) -> None:
+    trajectory, file = motion(seconds=2), tmp_path / "telemetry.npz"
+    hot = replace(SAFETY, temperature=1.0)
+    with VirtualBus.of_robot(OP3) as bus:
+        with pytest.raises(ServoFault, match="limit 1 deg C"):
+            stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, safety=hot)
+        assert not file.exists(), "the first reading stopped it: there is nothing to tell"
+        jammed = replace(SAFETY, following_error=0.05, following_s=0.02)
+        with bus.locked:
+            bus.servo(5).motor.jammed = True
+        with pytest.raises(ServoFault, match=r"r_el .* following error"):
+            stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, safety=jammed)
+    assert len(load_telemetry(file).time_s) > 2
 
 
 def test_a_robot_without_servos_says_so() -> None:

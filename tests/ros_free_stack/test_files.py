@@ -1,5 +1,7 @@
 """Native files: exact round trips, one clear error for anything else, nothing half-written."""
 
+import json
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +14,17 @@ from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import (
     atomic_path,
     load_motion,
+    load_telemetry,
     load_trajectory,
     load_verdict,
     make_folder,
     save_motion,
+    save_telemetry,
     save_trajectory,
     save_trajectory_csv,
     save_verdict,
 )
-from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, Verdict
+from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, ServoTelemetry, Verdict
 
 
 def make_trajectory(joint_pos: np.ndarray) -> RobotTrajectory:
@@ -129,3 +133,25 @@ def test_unwritable_folder_is_one_clear_error(tmp_path: Path):
         make_folder(blocked / "sub")
     with pytest.raises(InvalidFile, match="cannot be written"):
         save_motion(tmp_path / "absent" / "m.npz", HumanMotion(joints=np.zeros((2, 22, 3)), fps=20))
+
+
+@pytest.mark.parametrize("change", [{"physics": "false"}, {"mount": "sideways"}])
+def test_a_verdict_with_words_for_truth_is_refused(tmp_path: Path, change: dict[str, str]):
+    path = tmp_path / "verdict.json"
+    save_verdict(path, Verdict("op3", "a", "b", (Check("joint_range", 0.0, "rad", 1.0, True),), physics=True))
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    with pytest.raises(InvalidFile, match=next(iter(change))):
+        load_verdict(path)
+
+
+def test_telemetry_round_trip(tmp_path: Path):
+    rng = np.random.default_rng(0)
+    columns = {name: rng.normal(size=(5, 2)) for name in ("goal", *ServoTelemetry.MEASURED)}
+    fresh = rng.random((5, 2)) < 0.5
+    telemetry = ServoTelemetry("op3", ("a", "b"), np.arange(5) / 125, np.zeros(5), fresh=fresh, **columns)  # type: ignore[arg-type]
+    save_telemetry(tmp_path / "telemetry.npz", telemetry)
+    back = load_telemetry(tmp_path / "telemetry.npz")
+    for item in fields(ServoTelemetry):
+        assert np.array_equal(getattr(back, item.name), getattr(telemetry, item.name)), item.name
+    with pytest.raises(InvalidFile, match="robot_trajectory"):
+        load_trajectory(tmp_path / "telemetry.npz")

@@ -1,10 +1,14 @@
 """Robot descriptions: complete, consistent with their MuJoCo models, and refused when damaged."""
 
+from collections.abc import Callable
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+import yaml
 
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.joint_sweep import sweep_joint_ranges
@@ -16,7 +20,7 @@ from ros_free_stack.robot_model import (
     sole_corners,
     standing_qpos,
 )
-from ros_free_stack.robots import load_robot, read_description, robot_names
+from ros_free_stack.robots import ServoSafety, load_robot, read_description, robot_names
 from ros_free_stack.skeleton import INDEX
 
 
@@ -149,3 +153,51 @@ def test_hash_changes_with_the_description(tmp_path: Path):
     changed = tmp_path / "g1.yaml"
     changed.write_text(source.read_text().replace("title: Unitree G1", "title: another"))
     assert read_description(changed).sha256 != robot.sha256
+
+
+def written(tmp_path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    """OP3's description with a change."""
+    source = resources.files("ros_free_stack") / "robots" / "op3.yaml"
+    data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    change(data)
+    path = tmp_path / "robot.yaml"
+    path.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return path
+
+
+def test_servo_models_can_differ_by_joint(tmp_path: Path):
+    servos = read_description(
+        written(tmp_path, lambda data: data["servos"].update(models={"l_el": "XL430-W250"}))
+    ).servos
+    assert servos is not None
+    assert (servos.model_of("l_el"), servos.model_of("r_el")) == ("XL430-W250", "XM430-W350")
+
+
+def test_servo_safety_has_defaults(tmp_path: Path):
+    servos = read_description(written(tmp_path, lambda data: data.update(servo_safety={"temperature": 60}))).servos
+    assert servos is not None
+    assert servos.safety == ServoSafety(temperature=60)
+    assert read_description(written(tmp_path, lambda data: data.pop("servo_safety"))).servos is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            lambda data: data["servo_safety"].update(temprature=60),
+            "unknown entry of servo_safety 'temprature'.*temperature",
+        ),
+        (lambda data: data["servo_safety"].update(temperature=-1), "temperature: expected a positive number, found -1"),
+        (lambda data: data["servo_safety"].update(current="much"), "current: expected a positive number, found 'much'"),
+        (lambda data: data["servo_safety"].update(watchdog_s=3.0), "watchdog_s: expected at most 2.54 s"),
+        (lambda data: data["servo_safety"].update(on_fault="jump"), "on_fault 'jump'; valid: hold, off"),
+        (lambda data: data["servos"].update(settings={"mode": "wheel"}), "servo mode 'wheel'; valid: current-based"),
+        (lambda data: data["servos"].update(settings={"gain": 1}), "entry of servos settings 'gain'; valid: "),
+        (lambda data: data["servos"].update(models={"tail": "XL430-W250"}), "servo model 'tail'"),
+        (lambda data: data["servos"]["ids"].update(head_pan=20), "two joints have the same servo id"),
+        (lambda data: data["servos"]["ids"].update(tail=99), "joint with a servo 'tail'"),
+    ],
+)
+def test_a_wrong_servo_section_is_refused(tmp_path: Path, change: Callable[[dict[str, Any]], object], words: str):
+    with pytest.raises((InvalidFile, UnknownName), match=words):
+        read_description(written(tmp_path, change))
