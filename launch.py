@@ -54,7 +54,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "servos calibrate": ("hw.cli:ServosCalibrate", "directions and zeros of a real rig"),
     "servos reboot": ("hw.cli:ServosReboot", "clear hardware errors"),
     "servos release": ("hw.cli:ServosRelease", "torque off"),
-    "servos emulate": ("hw.cli:ServosEmulate", "an emulated bus for other programs"),
+    "servos emulate": ("hw.virtual.cli:ServosEmulate", "an emulated bus for other programs"),
     "doctor": ("ros_free_stack.cli:Doctor", "what this machine has and lacks"),
 }
 """Subcommand to the module and class that does it, and one line of help. A stage is imported when it is asked for."""

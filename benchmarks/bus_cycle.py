@@ -26,7 +26,7 @@ from hw.servos import Servos
 from ros_free_stack.robots import load_robot
 
 CYCLES = 300
-EMULATOR = "import tyro; from hw.cli import ServosEmulate; tyro.cli(ServosEmulate).run()"
+EMULATOR = "import tyro; from hw.virtual.cli import ServosEmulate; tyro.cli(ServosEmulate).run()"
 
 
 def times_ms(step: Callable[[], bool]) -> list[float]:
