@@ -307,7 +307,10 @@ class ServosCalibrate(BusCommand):
         if not sys.stdin.isatty():
             raise InvalidOption("servos calibrate", "needs a terminal: it asks you to move the robot")
         with self.opened() as servos:
-            calibration = calibrate(servos, lambda text: input(f"{text} "))
+            try:
+                calibration = calibrate(servos, lambda text: input(f"{text} "))
+            except EOFError:
+                raise InvalidOption("servos calibrate", "the terminal was closed; nothing was written") from None
         calibration.save(self.out)
         self.report({"calibration": str(self.out), "joints": len(calibration.joints)}, f"wrote {self.out}")
         return 0

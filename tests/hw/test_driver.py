@@ -9,13 +9,14 @@ import pytest
 
 from hw.cycle import Reading
 from hw.driver import Driver
-from hw.protocol import Instruction
+from hw.line import BLOCK
+from hw.protocol import Instruction, StatusError
 from hw.rig import Rig
 from hw.servos import Servos, open_ports
 from hw.stop import torque_off
 from hw.units import to_si
 from hw.virtual.bus import VirtualBus
-from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Servo
+from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Refused, Servo
 from ros_free_stack.errors import (
     BusFault,
     HardwareFault,
@@ -351,3 +352,33 @@ def test_current_based_position_limits_the_goal_current(bus: VirtualBus) -> None
     with Driver(rig, bus.port) as driver:
         driver.enable()
         assert to_si(bus.servo(5).table, "Goal Current", bus.servo(5).get("Goal Current")) == pytest.approx(1, abs=0.01)
+
+
+def test_a_servo_that_refuses_to_be_read_is_named_with_its_error_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    with make_bus(unsupported={Instruction.FAST_SYNC_READ}) as bus:
+        servo = bus.servo(5)
+        read = servo.read
+
+        def refuse(address: int, length: int) -> bytes:
+            if length == BLOCK.itemsize:
+                raise Refused(StatusError.ACCESS)
+            return read(address, length)
+
+        with pytest.raises(BusFault, match=r"r_el .servo 5. refuses to be read: access"):
+            play(bus, at=30, fault=lambda: monkeypatch.setattr(servo, "read", refuse))
+        assert torques(bus) == [False] * 3
+
+
+def test_the_alert_bit_reaches_the_caller_by_every_way_of_reading() -> None:
+    ways = [set[Instruction](), {Instruction.FAST_SYNC_READ}, {Instruction.FAST_SYNC_READ, Instruction.SYNC_READ}]
+    for unsupported in ways:
+        with make_bus(unsupported=unsupported) as bus, Driver(RIG, bus.port) as driver:
+            driver.enable()
+            with bus.locked:
+                # Not in the shutdown mask: the servo goes on, only the alert bit and its cause tell.
+                bus.servo(5).set("Shutdown", 0)
+                bus.servo(5).fail(INPUT_VOLTAGE)
+            reading = driver.cycle.exchange(None)
+            assert reading.alert.tolist() == [False, True, False], driver.cycle.method
+            assert reading.error.tolist() == [0, INPUT_VOLTAGE, 0]
+            assert reading.torque.all()

@@ -1,0 +1,84 @@
+"""One port: latency timer, alerts, and servos that the SDK does not know."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hw.bus import Bus, lower_latency
+from hw.registers import control_table
+from hw.virtual.bus import VirtualBus
+from hw.virtual.servo import OVERLOAD, Servo
+from ros_free_stack.errors import BusFault, InvalidOption, LostServo
+
+TABLE = control_table("XM430-W350")
+
+
+@pytest.fixture
+def virtual() -> Iterator[VirtualBus]:
+    with VirtualBus([Servo.make(identity, baud=2_000_000) for identity in (1, 2)]) as bus:
+        yield bus
+
+
+def timer(folder: Path, text: str) -> Path:
+    file = folder / "ttyUSB7" / "latency_timer"
+    file.parent.mkdir()
+    file.write_text(text)
+    return file
+
+
+def test_the_latency_timer_is_lowered(tmp_path: Path) -> None:
+    file = timer(tmp_path, "16\n")
+    latency = lower_latency("/dev/ttyUSB7", tmp_path)
+    assert (latency.ok, latency.words, file.read_text()) == (True, "1 ms", "1")
+    assert lower_latency("/dev/ttyUSB7", tmp_path).words == "1 ms"
+
+
+def test_a_latency_timer_that_may_not_be_set_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, text: str) -> None:
+        raise PermissionError
+
+    file = timer(tmp_path, "16\n")
+    monkeypatch.setattr(Path, "write_text", refuse)
+    latency = lower_latency("/dev/ttyUSB7", tmp_path)
+    assert not latency.ok
+    assert latency.words == f"not lowered to 1 ms: as root, echo 1 > {file}"
+
+
+def test_a_port_without_a_latency_timer(tmp_path: Path) -> None:
+    assert lower_latency("/dev/ttyUSB7", tmp_path).words == "the port has none"
+
+
+def test_alerts_are_kept_until_they_are_gone(virtual: VirtualBus) -> None:
+    with Bus(virtual.port, 2_000_000) as bus:
+        with virtual.locked:
+            virtual.servo(2).fail(OVERLOAD)
+        bus.read(1, TABLE, "Present Position")
+        bus.read(2, TABLE, "Present Position")
+        assert bus.alerts == {2}
+        with virtual.locked:
+            virtual.servo(2).set("Hardware Error Status", 0)
+        bus.read(2, TABLE, "Present Position")
+        assert bus.alerts == set()
+
+
+def test_refusals_have_names(virtual: VirtualBus) -> None:
+    with Bus(virtual.port, 2_000_000) as bus:
+        with pytest.raises(BusFault, match=r"servo 1 refuses writing Operating Mode = 9: data range"):
+            bus.write(1, TABLE, "Operating Mode", 9)
+        with pytest.raises(BusFault, match=r"servo 1 refuses writing Present Position = 0: access"):
+            bus.write(1, TABLE, "Present Position", 0)
+        with pytest.raises(LostServo, match="servo 9"):
+            bus.read(9, TABLE, "Present Position")
+
+
+def test_a_scan_shows_models_that_the_sdk_does_not_know(virtual: VirtualBus) -> None:
+    with virtual.locked:
+        virtual.servo(2).set("Model Number", 4711)
+    with Bus(virtual.port, 2_000_000) as bus:
+        assert [(device.id, device.model) for device in bus.scan()] == [(1, "XM430-W350"), (2, "unknown model 4711")]
+
+
+def test_an_odd_baud_rate_is_refused(virtual: VirtualBus) -> None:
+    with pytest.raises(InvalidOption, match="123 is not a rate"):
+        Bus(virtual.port, 123)
