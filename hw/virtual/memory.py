@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hw.protocol import StatusError
 from hw.registers import ControlTable, Register
-from hw.virtual.factory import CHOICES, CURRENT, CURRENT_POSITION, EXTENDED, MULTI_TURN, POSITION
+from hw.virtual.factory import CHOICES, CURRENT, CURRENT_POSITION, MULTI_TURN, POSITION
 
 WATCHDOG_TRIPPED = 0xFF
 GOALS = frozenset({"Goal PWM", "Goal Current", "Goal Velocity", "Goal Position"})
@@ -158,11 +158,8 @@ class Memory:
             raise Refused(StatusError.DATA_LIMIT)
 
     def _check_position(self, value: int) -> None:
-        mode = self.get("Operating Mode")
         low, high = -MULTI_TURN, MULTI_TURN
-        if mode == POSITION:
+        if self.get("Operating Mode") == POSITION:
             low, high = self.get("Min Position Limit"), self.get("Max Position Limit")
-        elif mode < EXTENDED:
-            return
         if not low <= value <= high:
             raise Refused(StatusError.DATA_LIMIT)
