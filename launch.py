@@ -12,13 +12,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn, TypeVar
 
 import tyro
 
 from ros_free_stack.console import Command, progress, say
 from ros_free_stack.errors import InvalidOption, StackError, UnknownName
-from ros_free_stack.messages import HumanMotion, RobotTrajectory
+from ros_free_stack.messages import HumanMotion, Mount, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ Stage = TypeVar("Stage")
 
 INTERRUPTED = 130
 MAX_CANDIDATES = 64
+TELEMETRY = "telemetry.npz"
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("launch:Run", "a sentence to human motion, robot trajectory, verdict, pictures, servos"),
@@ -104,8 +105,11 @@ class Timings:
 class Pipeline:
     """Text understanding, generator, retargeter and judge for one robot; models load once, for many prompts."""
 
-    def __init__(self, robot: RobotDescription, *, llm: str | None = None, llm_model: str = "qwen3:8b") -> None:
+    def __init__(
+        self, robot: RobotDescription, *, llm: str | None = None, llm_model: str = "qwen3:8b", mount: Mount = "free"
+    ) -> None:
         self.robot, self.llm, self.llm_model = robot, llm, llm_model
+        self.mount: Mount = mount
         self._stages: dict[str, Any] = {}
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
@@ -148,7 +152,7 @@ class Pipeline:
         """The verdict on a trajectory, with its playback."""
         from sim.verdict import judge
 
-        return judge(trajectory, self.robot)
+        return judge(trajectory, self.robot, mount=self.mount)
 
     def candidates(
         self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int, timings: Timings
@@ -186,6 +190,7 @@ class Run(Command):
         python launch.py run "walks forward, then bows" --robot g1 --candidates 8 --seed 3
         python launch.py run "squats twice" --servo sim --json
         python launch.py run "claps" --servo /dev/ttyUSB0
+        python launch.py run "waves" --servo /dev/ttyUSB0,/dev/ttyUSB1 --mount fixed --dry-run
     """
 
     prompt: Annotated[str, tyro.conf.Positional]
@@ -193,13 +198,21 @@ class Run(Command):
     robot: str = "op3"
     """Robot by name; `launch.py robots list` shows them."""
     out: Path = Path("out/run")
-    """Run folder: motion, trajectory, verdict, report.html, video.mp4."""
+    """Run folder: motion, trajectory, verdict, telemetry of a stream, report.html, video.mp4."""
     seed: int = 0
     """Seed of all randomness: the same seed gives the same motion."""
     candidates: int = 4
     """How many motions to try; the best feasible one is kept."""
     servo: str | None = None
-    """Stream the result: `sim` for a virtual bus, or a serial port such as /dev/ttyUSB0."""
+    """Stream the result: `sim` for a virtual bus, or a serial port such as /dev/ttyUSB0 (several with commas)."""
+    dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Check everything and read the servos, but write nothing to them."""
+    mount: Literal["free", "fixed"] = "free"
+    """`fixed` for a robot held by its root: floor and balance do not count, and only such a robot may play it."""
+    joints: tuple[str, ...] | None = None
+    """Stream only these joints, on a rig that has only these; the others are skipped."""
+    calibration: Path | None = None
+    """Servo directions, zeros and ranges (.yaml), as `servos calibrate` writes it."""
     video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Try a sentence outside what the model knows."""
@@ -217,15 +230,22 @@ class Run(Command):
         if self.servo is not None:
             from hw.stream import check_port
 
-            check_port(self.servo, robot)
-        timings, pipeline = Timings(), Pipeline(robot, llm=self.llm, llm_model=self.llm_model)
+            check_port(self.servo, robot, joints=self.joints, calibration=self.calibration)
+        elif self.dry_run or self.joints or self.calibration:
+            raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
+        timings = Timings()
+        pipeline = Pipeline(robot, llm=self.llm, llm_model=self.llm_model, mount=self.mount)
         with timings.measure("text"):
             segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
         make_folder(self.out)
         found = pipeline.candidates(self.prompt, segments, seed=self.seed, candidates=self.candidates, timings=timings)
         best = found[0]
-        files = self._write(best, robot, timings)
-        servo = self._stream(best, robot, timings)
+        files = self._save(best, timings)
+        try:
+            servo = self._stream(best, robot, timings)
+        finally:
+            # A stream that a fault ended is the one whose plots are wanted most.
+            files |= self._report(best, robot, timings)
         verdict = best.judgement.verdict
         result = {
             "prompt": self.prompt,
@@ -243,22 +263,35 @@ class Run(Command):
         self.report(result, *self._words(best, found, servo))
         return 0 if verdict.passed else 3
 
-    def _write(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
-        """Write the run folder; a video that an earlier run left there must not pass for this one's."""
+    def _save(self, best: Candidate, timings: Timings) -> dict[str, str]:
+        """Write motion, trajectory and verdict; what an earlier run left there must not pass for this one's."""
         from ros_free_stack.files import save_motion, save_trajectory, save_trajectory_csv, save_verdict
-        from sim.report import write_report
 
-        (self.out / "video.mp4").unlink(missing_ok=True)
+        for name in ("video.mp4", TELEMETRY):
+            (self.out / name).unlink(missing_ok=True)
         with timings.measure("report"):
             save_motion(self.out / "human_motion.npz", best.motion)
             save_trajectory(self.out / "trajectory.npz", best.trajectory)
             save_trajectory_csv(self.out / "trajectory.csv", best.trajectory)
             save_verdict(self.out / "verdict.json", best.judgement.verdict)
-            write_report(self.out, best.motion, best.trajectory, best.judgement, robot)
-        names = ["human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json", "report.html"]
+        return self._files("human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json")
+
+    def _report(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
+        """Write report and video, with what the servos did where there was a stream."""
+        from ros_free_stack.files import load_telemetry
+        from sim.report import write_report
+
+        path = self.out / TELEMETRY
+        telemetry = load_telemetry(path) if path.exists() else None
+        names = ["report.html", *([TELEMETRY] if telemetry else [])]
+        with timings.measure("report"):
+            write_report(self.out, best.motion, best.trajectory, best.judgement, robot, telemetry=telemetry)
         if self.video:
             with timings.measure("video"):
                 names += self._video(best, robot)
+        return self._files(*names)
+
+    def _files(self, *names: str) -> dict[str, str]:
         return {name: str(self.out / name) for name in names}
 
     def _video(self, best: Candidate, robot: RobotDescription) -> list[str]:
@@ -281,7 +314,20 @@ class Run(Command):
         from hw.stream import stream
 
         with timings.measure("servo"):
-            return stream(best.trajectory, best.judgement.verdict, robot, port=self.servo).as_dict()
+            report = stream(
+                best.trajectory,
+                best.judgement.verdict,
+                robot,
+                port=self.servo,
+                telemetry=self.out / TELEMETRY,
+                dry_run=self.dry_run,
+                calibration=self.calibration,
+                joints=self.joints,
+                mount=self.mount,
+            )
+        if report.skipped:
+            say(f"skipped, not on this rig: {', '.join(report.skipped)}")
+        return report.as_dict()
 
     def _words(self, best: Candidate, found: tuple[Candidate, ...], servo: dict[str, Any] | None) -> Iterator[str]:
         verdict = best.judgement.verdict
@@ -291,7 +337,9 @@ class Run(Command):
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
         for check in verdict.failures:
             yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
-        if servo is not None:
+        if servo is not None and self.dry_run:
+            yield f"servos: dry run, {servo['joints']} servos on {servo['port']} are ready, nothing was written"
+        elif servo is not None:
             yield (
                 f"servos: {servo['cycles']} cycles at {servo['rate_hz']:.1f} Hz, "
                 f"jitter p99 {servo['jitter_p99_ms']:.2f} ms, {len(servo['errors'])} errors"

@@ -117,7 +117,7 @@ def stream(
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
     check_verdict(trajectory, verdict, robot, mount)
-    rig = Rig.of_robot(robot, calibration=load_calibration(calibration, robot) if calibration else None, only=joints)
+    rig = _rig(robot, joints, calibration)
     rig = rig if safety is None else replace(rig, safety=safety)
     goals = resample(trajectory, rig)
     with opened_port(port, robot) as path, Driver(rig, path, at_end=at_end) as driver:
@@ -165,17 +165,25 @@ def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDes
         )
 
 
-def check_port(port: str, robot: RobotDescription) -> None:
-    """Fail early where a stream could not even begin: the robot has no servos, or the port does not open.
+def check_port(
+    port: str, robot: RobotDescription, *, joints: Iterable[str] | None = None, calibration: Path | None = None
+) -> None:
+    """Fail early where a stream could not even begin; arguments as `stream`.
 
     Raises:
         InvalidOption: the robot has no servos.
+        UnknownName: it has no such joint.
+        InvalidFile, ModelMismatch: the calibration cannot be used.
         PortError: a port cannot be opened.
     """
-    rig = Rig.of_robot(robot)
+    rig = _rig(robot, joints, calibration)
     if port != SIMULATED:
         with open_ports(port, rig.baud):
             pass
+
+
+def _rig(robot: RobotDescription, joints: Iterable[str] | None, calibration: Path | None) -> Rig:
+    return Rig.of_robot(robot, calibration=load_calibration(calibration, robot) if calibration else None, only=joints)
 
 
 @contextmanager

@@ -28,6 +28,8 @@ class Validate(Command):
     """Also play the trajectory in physics; without, nothing is written."""
     motion: Path | None = None
     """Human motion (.npz) that it was made from, for the pictures."""
+    telemetry: Path | None = None
+    """What the servos did when it was streamed (.npz, as `stream --telemetry` writes it), for the report."""
     out: Path | None = None
     """Folder for verdict.json and report.html."""
 
@@ -36,7 +38,7 @@ class Validate(Command):
         from time import perf_counter
 
         from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import load_motion, load_trajectory, make_folder, save_verdict
+        from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, make_folder, save_verdict
         from ros_free_stack.robots import load_robot
         from sim.report import write_report
         from sim.verdict import judge
@@ -48,6 +50,7 @@ class Validate(Command):
         trajectory = load_trajectory(self.trajectory)
         robot = load_robot(trajectory.robot)
         motion = None if self.motion is None else load_motion(self.motion)
+        telemetry = None if self.telemetry is None else load_telemetry(self.telemetry)
         if self.out is not None:
             make_folder(self.out)
         started = perf_counter()
@@ -60,7 +63,8 @@ class Validate(Command):
         if self.out is not None:
             save_verdict(self.out / "verdict.json", verdict)
             title = motion.prompt if motion and motion.prompt else self.trajectory.name
-            report = write_report(self.out, motion, trajectory, judgement, robot, title, {"judge": seconds})
+            times = {"judge": seconds}
+            report = write_report(self.out, motion, trajectory, judgement, robot, title, times, telemetry)
             result["report"] = str(report)
             lines.append(f"report: {report}")
         self.report(result, *lines)

@@ -1,9 +1,10 @@
-"""The plots of the report: joints against their limits, feet over the floor, torques."""
+"""The plots of the report: joints against their limits, feet over the floor, torques, and what servos really did."""
 
 from typing import Any, Literal
 
 import numpy as np
 
+from ros_free_stack.messages import Floats, ServoTelemetry
 from sim.playback import Playback
 from sim.reference import Reference
 
@@ -24,21 +25,63 @@ def joints_plot(reference: Reference) -> Any:
     """Every joint's position over time, in rad, with its range as red lines."""
     robot, positions = reference.robot, reference.trajectory.joint_pos
     times = np.arange(len(positions)) * reference.dt
-    rows = -(-len(robot.joints) // _COLUMNS)
-    figure = _figure(14, 1.35 * rows, layout=None)  # laying out dozens of axes by constraints takes seconds
-    axes = figure.subplots(rows, _COLUMNS, sharex=True, squeeze=False).ravel()
-    figure.subplots_adjust(0.05, 0.4 / (1.35 * rows), 0.99, 1 - 0.2 / (1.35 * rows), 0.2, 0.45)
-    for axis in axes[len(robot.joints) :]:
-        axis.set_visible(False)
-    for index, (axis, (name, limits)) in enumerate(zip(axes, robot.joints.items(), strict=False)):
+    figure, axes = _joint_axes(robot.joint_names)
+    for index, (axis, limits) in enumerate(zip(axes, robot.joints.values(), strict=True)):
         axis.axhline(limits.lower, color=LIMIT, lw=0.8)
         axis.axhline(limits.upper, color=LIMIT, lw=0.8)
         axis.plot(times, positions[:, index], color=PLANNED, lw=1.2)
+    return figure
+
+
+def servo_angles_plot(telemetry: ServoTelemetry) -> Any:
+    """Every streamed joint's commanded and measured angle over time, in rad."""
+    figure, axes = _joint_axes(telemetry.joint_names)
+    for index, axis in enumerate(axes):
+        axis.plot(telemetry.time_s, telemetry.goal[:, index], color=PLANNED, lw=1.2)
+        axis.plot(telemetry.time_s, telemetry.position[:, index], color=SIMULATED, lw=0.9)
+    return figure
+
+
+def servo_health_plot(telemetry: ServoTelemetry) -> Any:
+    """Current and temperature of the servos, the busiest of each by name, and how late each cycle began."""
+    figure = _figure(14, 2.6)
+    current, temperature, jitter = figure.subplots(1, 3)
+    for axis, values, title in (
+        (current, np.abs(telemetry.current), "current, A"),
+        (temperature, telemetry.temperature, "temperature, deg C"),
+    ):
+        _all_and_highest(axis, telemetry, values)
+        axis.set_title(title, fontsize=9)
+    jitter.plot(telemetry.time_s, 1e3 * telemetry.late_s, color=PLANNED, lw=0.8)
+    jitter.set_title("lateness of each cycle, ms", fontsize=9)
+    jitter.set_ylim(bottom=0)
+    _plain(jitter)
+    figure.supxlabel("s", fontsize=8)
+    return figure
+
+
+def _all_and_highest(axis: Any, telemetry: ServoTelemetry, values: Floats) -> None:
+    highest = int(values.max(axis=0).argmax())
+    axis.plot(telemetry.time_s, values, color=GRID, lw=0.6)
+    axis.plot(telemetry.time_s, values[:, highest], color=SIMULATED, lw=1.0, label=telemetry.joint_names[highest])
+    axis.legend(fontsize=7, frameon=False)
+    _plain(axis)
+
+
+def _joint_axes(names: tuple[str, ...]) -> tuple[Any, Any]:
+    """A figure with one small plot a joint, in rad over s."""
+    rows = -(-len(names) // _COLUMNS)
+    figure = _figure(14, 1.35 * rows, layout=None)  # laying out dozens of axes by constraints takes seconds
+    axes = figure.subplots(rows, _COLUMNS, sharex=True, squeeze=False).ravel()
+    figure.subplots_adjust(0.05, 0.4 / (1.35 * rows), 0.99, 1 - 0.2 / (1.35 * rows), 0.2, 0.45)
+    for axis in axes[len(names) :]:
+        axis.set_visible(False)
+    for axis, name in zip(axes, names, strict=False):
         axis.set_title(name.removesuffix("_joint"), fontsize=8, pad=2)
         _plain(axis)
     figure.supylabel("rad", fontsize=8)
     figure.supxlabel("s", fontsize=8)
-    return figure
+    return figure, axes[: len(names)]
 
 
 def feet_plot(reference: Reference, playback: Playback | None) -> Any:

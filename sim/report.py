@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from ros_free_stack.files import make_folder, write_text
-from ros_free_stack.messages import Check, Floats, HumanMotion, RobotTrajectory
+from ros_free_stack.messages import Check, Floats, HumanMotion, RobotTrajectory, ServoTelemetry
 from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import BONES
-from sim.plots import feet_plot, joints_plot, torque_plot
+from sim.plots import feet_plot, joints_plot, servo_angles_plot, servo_health_plot, torque_plot
 from sim.shapes import body_shapes
 from sim.storyboard import body_colours, storyboard
 from sim.synchrony import human_at, lead_in_s
@@ -34,6 +34,7 @@ def write_report(
     robot: RobotDescription,
     title: str = "",
     timings: dict[str, float] | None = None,
+    telemetry: ServoTelemetry | None = None,
 ) -> Path:
     """Write `report.html` into a folder and return its path.
 
@@ -45,6 +46,7 @@ def write_report(
         robot: the robot.
         title: the motion's prompt where it is empty.
         timings: seconds by stage.
+        telemetry: what the servos did when the trajectory was streamed, or None.
 
     Raises:
         InvalidFile: the folder cannot be written.
@@ -67,6 +69,7 @@ def write_report(
         "joints": _png(joints_plot(judgement.reference)),
         "feet": _png(feet_plot(judgement.reference, judgement.playback)),
         "torque": _torque(judgement),
+        "servos": _servos(telemetry),
         "digest": verdict.trajectory_digest[:16],
         "model": verdict.model_sha256[:16],
         "scene": json.dumps(_scene(motion, judgement), separators=(",", ":")).replace("<", "\\u003c"),
@@ -133,6 +136,22 @@ def _torque(judgement: Judgement) -> str:
     source = _png(torque_plot(judgement.reference, judgement.playback))
     caption = "Greatest torque of each servo in the playback, as a share of its limit."
     return f'<figure><img alt="torques" src="{source}"><figcaption>{caption}</figcaption></figure>'
+
+
+def _servos(telemetry: ServoTelemetry | None) -> str:
+    """What a stream commanded and measured; nothing where there was none."""
+    if telemetry is None:
+        return ""
+    lost = 1 - telemetry.fresh.mean()
+    angles = f"Commanded (blue) and measured (orange) angles of {len(telemetry.joint_names)} joints."
+    health = f"All servos in grey, the highest in orange; {lost:.1%} of the readings were not fresh."
+    return (
+        "<h2>Servos</h2>"
+        f'<figure><img alt="servo angles" src="{_png(servo_angles_plot(telemetry))}">'
+        f"<figcaption>{angles}</figcaption></figure>"
+        f'<figure><img alt="servo health" src="{_png(servo_health_plot(telemetry))}">'
+        f"<figcaption>{health}</figcaption></figure>"
+    )
 
 
 def _png(figure: Any) -> str:

@@ -79,6 +79,20 @@ def test_missing_port_is_found_before_any_work(tmp_path: Path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_joint_that_the_robot_lacks_fails_before_the_work(tmp_path: Path, capsys):
+    arguments = ("run", "wave", "--servo", "sim", "--joints", "tail", "--out", str(tmp_path / "out"))
+    code, _, error = run(*arguments, capsys=capsys)
+    assert code == 2
+    assert "unknown joint of op3 'tail'" in error and "r_el" in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_dry_run_needs_servos(tmp_path: Path, capsys):
+    code, _, error = run("run", "wave", "--dry-run", "--out", str(tmp_path / "out"), capsys=capsys)
+    assert code == 2
+    assert "--servo: is missing" in error
+
+
 def test_robot_without_servos_cannot_stream(tmp_path: Path, capsys):
     arguments = ("run", "wave", "--robot", "g1", "--servo", "sim", "--out", str(tmp_path / "out"))
     code, _, error = run(*arguments, capsys=capsys)

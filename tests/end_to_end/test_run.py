@@ -11,7 +11,7 @@ import pytest
 
 import launch
 from generator.generate import WEIGHTS_FOLDER
-from ros_free_stack.files import load_motion, load_trajectory, load_verdict
+from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, load_verdict
 from ros_free_stack.robots import load_robot
 
 WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candidates", "2", "--no-video", "--json")
@@ -64,7 +64,9 @@ def test_run_folder_is_complete_and_consistent(wave):
     assert verdict.trajectory_digest == trajectory.digest
     assert trajectory.model_sha256 == load_robot("op3").sha256
     assert (out / "trajectory.csv").read_text().startswith("time_s,root_x")
+    assert load_telemetry(out / "telemetry.npz").joint_names == load_robot("op3").joint_names
     page = (out / "report.html").read_text()
+    assert 'alt="servo angles"' in page
     assert "waves with the right hand" in page
     assert "http://" not in page.replace("http://www.w3.org", "") and "https://" not in page
 

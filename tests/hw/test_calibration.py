@@ -46,7 +46,7 @@ class Person:
     def __call__(self, text: str) -> None:
         self._before(len(self.asked))
         self.asked.append(text)
-        joints = dict(zip(JOINTS, RIG.ids, strict=True))
+        joints: dict[str, int] = dict(zip(JOINTS, RIG.ids, strict=True))
         with self._bus.locked:
             if "zero pose" in text:
                 for identity, angle in ZERO.items():

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ros_free_stack.errors import InvalidFile, InvalidOption, MissingDependency, ModelMismatch
-from ros_free_stack.files import load_verdict, save_trajectory
-from ros_free_stack.messages import HumanMotion, Segment
+from ros_free_stack.files import load_verdict, save_telemetry, save_trajectory
+from ros_free_stack.messages import HumanMotion, Segment, ServoTelemetry
 from ros_free_stack.skeleton import JOINT_COUNT
 from sim import render
 from sim.cli import Render, Validate
@@ -172,3 +172,30 @@ def test_no_verdict_file_without_physics(tmp_path: Path) -> None:
     with pytest.raises(InvalidOption, match="--no-physics"):
         Validate(trajectory=tmp_path / "t.npz", physics=False, out=tmp_path / "out").run()
     assert not (tmp_path / "out").exists()
+
+
+def test_report_plots_what_the_servos_did(op3, standing, tmp_path):
+    times = np.arange(50) / 125
+    goal = np.column_stack([np.sin(times), np.cos(times)])
+    telemetry = ServoTelemetry(
+        robot="op3",
+        joint_names=("r_el", "l_el"),
+        time_s=times,
+        late_s=np.full(50, 1e-4),
+        goal=goal,
+        fresh=np.arange(100).reshape(50, 2) % 10 > 0,
+        position=goal - 0.02,
+        velocity=np.zeros((50, 2)),
+        current=np.tile([0.1, -0.8], (50, 1)),
+        voltage=np.full((50, 2), 12.0),
+        temperature=np.tile([30.0, 41.0], (50, 1)),
+    )
+    save_trajectory(tmp_path / "t.npz", standing(op3))
+    save_telemetry(tmp_path / "telemetry.npz", telemetry)
+    out = tmp_path / "out"
+    Validate(trajectory=tmp_path / "t.npz", telemetry=tmp_path / "telemetry.npz", out=out).run()
+    text = (out / "report.html").read_text()
+    assert 'alt="servo angles"' in text and 'alt="servo health"' in text
+    assert "10.0% of the readings were not fresh" in text
+    Validate(trajectory=tmp_path / "t.npz", out=out).run()
+    assert "servo angles" not in (out / "report.html").read_text()
