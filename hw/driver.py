@@ -1,5 +1,6 @@
 """The driver of one robot's servos: check, enable, follow goals at the servo cycle, stop safely whatever happens."""
 
+import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -90,18 +91,22 @@ class Driver:
         with self._stack:
             if not self._enabled:
                 return
-            policy = self.at_end if error is None else self.rig.safety.on_fault
-            unconfirmed = self._stop(policy, keep_goal=error is None and policy == "hold")
-            if not unconfirmed:
-                return
-            state = "torque off" if policy == "off" else "hold"
-            warning = f"{state} NOT confirmed for {', '.join(unconfirmed)}: cut the power"
-            if isinstance(error, StackError):
-                error.args = (f"{error}; {warning}",)
-            elif error is not None:
-                say(f"warning: {warning}")
-            else:
-                raise LostServo(unconfirmed, f"when the stream stopped; {warning}")
+            fault = error or self._settle()
+            policy = self.at_end if fault is None else self.rig.safety.on_fault
+            if fault is not None:
+                self._hold_still()
+            unconfirmed = torque_off(self.servos) if policy == "off" else disarm(self.servos)
+            if unconfirmed:
+                state = "torque off" if policy == "off" else "hold"
+                warning = f"{state} NOT confirmed for {', '.join(unconfirmed)}: cut the power"
+                if isinstance(fault, StackError):
+                    fault.args = (f"{fault}; {warning}",)
+                elif fault is not None:
+                    say(f"warning: {warning}")
+                else:
+                    raise LostServo(unconfirmed, f"when the stream stopped; {warning}")
+            if fault is not None and fault is not error:
+                raise fault
 
     def enable(self) -> Reading:
         """Prepare every servo (RAM only), switch the torque on where it stands, arm the watchdogs.
@@ -150,15 +155,15 @@ class Driver:
                 )
         return raw
 
-    def move_to(self, pose: Floats, record: Recorder | None = None) -> int:
-        """Ramp from the present goal to a pose (N,) rad at a safe speed; return the number of cycles.
-
-        Raises: as `follow`.
-        """
+    def ramp_to(self, pose: Floats) -> Floats:
+        """Goals (K, N) from the present goal to a pose (N,) rad at a safe speed."""
         assert self._goal is not None, "enable() comes first"
-        path = ramp(self._goal, pose, speed=self.rig.safety.ramp_speed, cycle_s=self.rig.cycle_s)
-        self.follow(path, record)
-        return len(path)
+        rig = self.rig
+        return ramp(self._goal, pose, speed=rig.safety.ramp_speed, acceleration=rig.acceleration, cycle_s=rig.cycle_s)
+
+    def move_to(self, pose: Floats) -> None:
+        """Go to a pose (N,) rad at a safe speed; errors as `follow`."""
+        self.follow(self.ramp_to(pose))
 
     def follow(self, goals: Floats, record: Recorder | None = None) -> None:
         """Command goals (K, N) rad, one a cycle, and watch every reading.
@@ -186,18 +191,28 @@ class Driver:
                 record(time.perf_counter(), late, goal, reading)
             self.watch.check_pace(late)
 
-    def _stop(self, policy: StopPolicy, *, keep_goal: bool) -> tuple[str, ...]:
-        """Hold the goal or the pose, then let go where the policy says so; return the servos that did not confirm."""
+    def _settle(self) -> BaseException | None:
+        """Hold the last goal for a while, watched like every cycle; return what went wrong."""
+        if self._goal is None:
+            return None
         try:
-            if self._goal is not None:
-                reading = self.cycle.exchange(None)
-                still = self._goal if keep_goal else reading.position
-                still = np.clip(np.where(reading.fresh, still, self._goal), self.rig.lower, self.rig.upper)
-                hold(self.cycle, self.rig.to_raw(still), self.rig.safety.hold_s, self.rig.cycle_s)
+            self.follow(np.tile(self._goal, (math.ceil(self.rig.safety.hold_s / self.rig.cycle_s), 1)))
+        except (StackError, KeyboardInterrupt) as fault:
+            return fault
+        return None
+
+    def _hold_still(self) -> None:
+        """After a fault: stop every servo where it is, whatever the bus does."""
+        if self._goal is None:
+            return
+        try:
+            reading = self.cycle.exchange(None)
+            still = np.where(reading.fresh, reading.position, self._goal)
+            goals = self.rig.to_raw(np.clip(still, self.rig.lower, self.rig.upper))
+            hold(self.cycle, goals, self.rig.safety.hold_s, self.rig.cycle_s)
         except Exception as error:
             # Whatever went wrong here, what comes next is tried, and reports which servos do not answer.
             say(f"warning: could not hold still: {error}")
-        return torque_off(self.servos) if policy == "off" else disarm(self.servos)
 
     def _check_servos(self) -> None:
         wanted = pose_settings(self.rig)

@@ -108,12 +108,14 @@ def _check(rig: Rig, frames: Floats, times: Floats, velocity: Floats, accelerati
             )
 
 
-def ramp(start: Floats, end: Floats, *, speed: float, cycle_s: float) -> Floats:
+def ramp(start: Floats, end: Floats, *, speed: float, acceleration: Floats, cycle_s: float) -> Floats:
     """Minimum-jerk goals (K, N) from rest at `start` to rest at `end`, nowhere faster than `speed` rad/s.
 
-    Source: Flash and Hogan 1985; the peak speed of x = d (10 s^3 - 15 s^4 + 6 s^5) is 15/8 d / T.
+    No joint exceeds its `acceleration` (N,) rad/s^2 either. Source: Flash and Hogan 1985; for
+    x = d (10 s^3 - 15 s^4 + 6 s^5) the peak speed is 15/8 d / T, the peak acceleration 10/sqrt(3) d / T^2.
     """
-    distance = float(np.abs(end - start).max(initial=0.0))
-    cycles = max(1, int(np.ceil(15 / 8 * distance / speed / cycle_s)))
+    distance = np.abs(end - start)
+    seconds = np.maximum(15 / 8 * distance / speed, np.sqrt(10 / np.sqrt(3) * distance / acceleration))
+    cycles = max(1, int(np.ceil(seconds.max(initial=0.0) / cycle_s)))
     s = np.arange(1, cycles + 1)[:, None] / cycles
     return start + (end - start) * s**3 * (10 - 15 * s + 6 * s**2)

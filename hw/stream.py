@@ -10,7 +10,7 @@ import numpy as np
 
 from hw.calibration import load_calibration
 from hw.driver import Driver
-from hw.resample import Goals, ramp, resample
+from hw.resample import Goals, resample
 from hw.rig import Rig
 from hw.servos import open_ports
 from hw.telemetry import Recording
@@ -128,11 +128,11 @@ def stream(
         if dry_run:
             driver.measure()
             return _report(driver, port, mount, goals, Recording(rig, 0), dry_run=True)
-        start = driver.enable().position
-        path_in = ramp(start, goals.angles[0], speed=rig.safety.ramp_speed, cycle_s=rig.cycle_s)
-        recording = Recording(rig, len(path_in) + len(goals.angles) + 1)
+        driver.enable()
+        path_in = driver.ramp_to(goals.angles[0])
+        recording = Recording(rig, len(path_in) + len(goals.angles))
         try:
-            driver.move_to(goals.angles[0], recording.add)
+            driver.follow(path_in, recording.add)
             driver.follow(goals.angles, recording.add)
         finally:
             if telemetry is not None and recording.cycles:

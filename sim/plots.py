@@ -39,6 +39,7 @@ def servo_angles_plot(telemetry: ServoTelemetry) -> Any:
     for index, axis in enumerate(axes):
         axis.plot(telemetry.time_s, telemetry.goal[:, index], color=PLANNED, lw=1.2)
         axis.plot(telemetry.time_s, telemetry.position[:, index], color=SIMULATED, lw=0.9)
+        _span(axis, 0.2)
     return figure
 
 
@@ -46,11 +47,12 @@ def servo_health_plot(telemetry: ServoTelemetry) -> Any:
     """Current and temperature of the servos, the busiest of each by name, and how late each cycle began."""
     figure = _figure(14, 2.6)
     current, temperature, jitter = figure.subplots(1, 3)
-    for axis, values, title in (
-        (current, np.abs(telemetry.current), "current, A"),
-        (temperature, telemetry.temperature, "temperature, deg C"),
+    for axis, values, title, span in (
+        (current, np.abs(telemetry.current), "current, A", 0.2),
+        (temperature, telemetry.temperature, "temperature, deg C", 10.0),
     ):
         _all_and_highest(axis, telemetry, values)
+        _span(axis, span)
         axis.set_title(title, fontsize=9)
     jitter.plot(telemetry.time_s, 1e3 * telemetry.late_s, color=PLANNED, lw=0.8)
     jitter.set_title("lateness of each cycle, ms", fontsize=9)
@@ -66,6 +68,14 @@ def _all_and_highest(axis: Any, telemetry: ServoTelemetry, values: Floats) -> No
     axis.plot(telemetry.time_s, values[:, highest], color=SIMULATED, lw=1.0, label=telemetry.joint_names[highest])
     axis.legend(fontsize=7, frameon=False)
     _plain(axis)
+
+
+def _span(axis: Any, least: float) -> None:
+    """Show at least this much, so that a rounding error does not look like a motion."""
+    low, high = axis.get_ylim()
+    if high - low < least:
+        middle = (low + high) / 2
+        axis.set_ylim(middle - least / 2, middle + least / 2)
 
 
 def _joint_axes(names: tuple[str, ...]) -> tuple[Any, Any]:

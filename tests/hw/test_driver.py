@@ -372,7 +372,11 @@ def test_a_servo_that_refuses_to_be_read_is_named_with_its_error_code(monkeypatc
 def test_the_alert_bit_reaches_the_caller_by_every_way_of_reading() -> None:
     ways = [set[Instruction](), {Instruction.FAST_SYNC_READ}, {Instruction.FAST_SYNC_READ, Instruction.SYNC_READ}]
     for unsupported in ways:
-        with make_bus(unsupported=unsupported) as bus, Driver(RIG, bus.port) as driver:
+        with (
+            make_bus(unsupported=unsupported) as bus,
+            pytest.raises(ServoFault, match="input voltage"),  # on the way out, where the last goal is held
+            Driver(RIG, bus.port) as driver,
+        ):
             driver.enable()
             with bus.locked:
                 # Not in the shutdown mask: the servo goes on, only the alert bit and its cause tell.
@@ -382,3 +386,9 @@ def test_the_alert_bit_reaches_the_caller_by_every_way_of_reading() -> None:
             assert reading.alert.tolist() == [False, True, False], driver.cycle.method
             assert reading.error.tolist() == [0, INPUT_VOLTAGE, 0]
             assert reading.torque.all()
+
+
+def test_a_fault_while_the_last_goal_is_held_is_told(bus: VirtualBus) -> None:
+    with pytest.raises(ServoFault, match=r"r_el .servo 5.: hardware error: overload"):
+        play(bus, at=len(WAVE) - 1, fault=lambda: bus.servo(5).fail(OVERLOAD))
+    assert torques(bus) == [False] * 3

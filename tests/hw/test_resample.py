@@ -83,7 +83,16 @@ def test_a_missing_joint_is_named() -> None:
 @settings(deadline=None)
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(0.2, 3))
 def test_ramp_is_never_faster_than_told(start: float, end: float, speed: float) -> None:
-    path = ramp(np.array([start]), np.array([end]), speed=speed, cycle_s=0.008)
+    path = ramp(np.array([start]), np.array([end]), speed=speed, acceleration=np.array([45.0]), cycle_s=0.008)
     whole = np.concatenate([[start], path[:, 0]])
     assert path[-1, 0] == pytest.approx(end)
     assert np.abs(np.diff(whole)).max() <= speed * 0.008 * 1.001
+
+
+@pytest.mark.parametrize("distance", [0.01, 0.1, 1.0])
+def test_ramp_keeps_to_the_acceleration_of_every_joint(distance: float) -> None:
+    limit = np.array([45.0, 5.0])
+    path = ramp(np.zeros(2), np.array([distance, -distance]), speed=4.0, acceleration=limit, cycle_s=0.001)
+    still = np.zeros((2, 2))
+    change = np.diff(np.concatenate([still, path, path[-1:]]), 2, axis=0) / 0.001**2
+    assert np.all(np.abs(change).max(axis=0) <= 1.01 * limit)
