@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn, TypeVar
 
@@ -56,6 +56,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "servos reboot": ("hw.cli:ServosReboot", "clear hardware errors"),
     "servos release": ("hw.cli:ServosRelease", "torque off"),
     "servos emulate": ("hw.virtual.cli:ServosEmulate", "an emulated bus for other programs"),
+    "servos simulate": ("launch:Simulate", "an emulated bus whose servos move the robot in MuJoCo"),
     "doctor": ("ros_free_stack.cli:Doctor", "what this machine has and lacks"),
 }
 """Subcommand to the module and class that does it, and one line of help. A stage is imported when it is asked for."""
@@ -346,6 +347,49 @@ class Run(Command):
             )
         yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
         yield f"report: {self.out / 'report.html'}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulate(Command):
+    """Run an emulated bus whose servos move the whole robot in MuJoCo until Ctrl-C, then write what it did.
+
+    The robot stands, held, until the first servo is switched on.
+
+    Examples:
+        python launch.py servos simulate --out simulated.npz
+        python launch.py stream out/run/trajectory.npz out/run/verdict.json --servo PORT
+        python launch.py render simulated.npz
+    """
+
+    robot: str = "op3"
+    """Robot by name."""
+    mount: Literal["free", "fixed"] = "free"
+    """`fixed` for a robot held by its root."""
+    out: Path = Path("simulated.npz")
+    """Trajectory of the robot, from the moment the first servo was switched on."""
+
+    def run(self) -> int:
+        from hw.virtual.bus import VirtualBus
+        from ros_free_stack.files import save_trajectory
+        from sim.servo_world import ServoWorld
+
+        robot = load_robot(self.robot)
+        world = ServoWorld(robot, mount=self.mount)
+        bus = VirtualBus.of_robot(robot, timed=True, world=world)
+        try:
+            with bus:
+                self.report({"port": bus.port, "out": str(self.out)}, bus.port)
+                sys.stdout.flush()
+                say("simulating; stop with Ctrl-C")
+                while True:
+                    sleep(3600)
+        finally:
+            if world.started:
+                done = world.trajectory()
+                save_trajectory(self.out, done)
+                say(f"{self.out}: {done.duration_s:.1f} s, the root ended {done.root_pos[-1, 2]:.2f} m above the floor")
+            else:
+                say("no servo was ever switched on: nothing is written")
 
 
 def usage(prefix: str = "") -> str:

@@ -24,6 +24,8 @@ def test_servos_hold_the_robot_up_until_they_let_go() -> None:
     world = ServoWorld(OP3)
     bus = VirtualBus.of_robot(OP3, world=world)
     standing = world.data.qpos[2]
+    run(bus, 0.5)
+    assert world.data.qpos[2] == standing
     switch(bus, True)
     run(bus, 1.0)
     assert world.data.qpos[2] == pytest.approx(standing, abs=0.02)
@@ -42,6 +44,10 @@ def test_a_goal_moves_the_robots_joint() -> None:
     run(bus, 1.0)
     assert abs(elbow.get("Present Position") - 1600) < 20
     assert world.data.joint("r_el").qpos[0] == elbow.motor.position
+    done = world.trajectory()
+    assert done.duration_s == pytest.approx(1.0, abs=0.05)
+    column = done.joint_names.index("r_el")
+    assert done.joint_pos[-1, column] == pytest.approx(elbow.motor.position, abs=0.02)
 
 
 def test_a_robot_without_servos() -> None:
