@@ -47,10 +47,17 @@ class ServosEmulate(Command):
             try:
                 while True:
                     time.sleep(_LOOK_S)
-                    for clock_s, fault in bus.happened[told:]:
-                        say(f"{clock_s:.2f} s: {fault.kind}" + (f" of servo {fault.id}" if fault.id else ""))
-                    told = len(bus.happened)
+                    told = _tell(bus, told)
             finally:
+                _tell(bus, told)
                 servos = bus.network.servos.values()
                 goals, outside = sum(len(servo.goals) for servo in servos), sum(servo.goals.outside for servo in servos)
                 say(f"{goals} goal positions were written, {outside} of them outside the servos' position limits")
+
+
+def _tell(bus: VirtualBus, told: int) -> int:
+    """Say which faults came true after the first `told`; return how many there are."""
+    happened = bus.happened.copy()
+    for clock_s, fault in happened[told:]:
+        say(f"{clock_s:.2f} s: {fault.kind}" + ("" if fault.id is None else f" of servo {fault.id}"))
+    return len(happened)
