@@ -164,6 +164,7 @@ class ServosInfo(BusCommand):
     """The state of every servo of the robot."""
 
     def run(self) -> int:
+        from hw.line import WATCHDOG_TRIPPED
         from hw.safety import hardware_errors
         from hw.units import to_si
 
@@ -176,20 +177,21 @@ class ServosInfo(BusCommand):
                     for name in ("Operating Mode", "Torque Enable", "Present Position", "Present Temperature",
                                  "Present Input Voltage", "Bus Watchdog", "Hardware Error Status")
                 }  # fmt: skip
-                error = value["Hardware Error Status"]
+                problems = [hardware_errors(error)] if (error := value["Hardware Error Status"]) else []
+                if value["Bus Watchdog"] == WATCHDOG_TRIPPED:
+                    problems.append("watchdog tripped")
                 rows.append(
                     {
                         "id": identity,
                         "joint": joint,
                         "model": table.model,
-                        "port": servos.bus(i).port,
+                        **({"port": servos.bus(i).port} if len(servos.buses) > 1 else {}),
                         "mode": value["Operating Mode"],
                         "torque": bool(value["Torque Enable"]),
                         "position_rad": to_si(table, "Present Position", value["Present Position"]),
                         "temperature_c": value["Present Temperature"],
                         "voltage_v": to_si(table, "Present Input Voltage", value["Present Input Voltage"]),
-                        "watchdog": "tripped" if value["Bus Watchdog"] == 0xFF else "",
-                        "error": hardware_errors(error) if error else "",
+                        "error": ", ".join(problems),
                     }
                 )
             self.table(f"{self.robot} on {self.servo}", rows)

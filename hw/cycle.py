@@ -6,7 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hw.line import BLOCK, CODE, MARGIN_S, METHODS, SINGLES_PER_CYCLE, Line, Method, current_register, state_addresses
+from hw.line import (
+    BLOCK,
+    CODE,
+    MARGIN_S,
+    METHODS,
+    SINGLES_PER_CYCLE,
+    WATCHDOG_TRIPPED,
+    Line,
+    Method,
+    current_register,
+    state_addresses,
+)
 from hw.protocol import ALERT
 from hw.rig import Raw
 from hw.servos import Servos
@@ -14,7 +25,6 @@ from hw.units import scale
 from ros_free_stack.errors import BusFault
 from ros_free_stack.messages import Bools, Floats
 
-_WATCHDOG_TRIPPED = 0xFF
 _TRIES = 5
 
 
@@ -124,7 +134,7 @@ class Cycle:
             alert=(self._status & ALERT) != 0,
             refusal=self._status & np.uint8(CODE),
             torque=data["torque"] != 0,
-            tripped=data["watchdog"] == _WATCHDOG_TRIPPED,
+            tripped=data["watchdog"] == WATCHDOG_TRIPPED,
             error=data["error"].copy(),
             position=rig.to_angles(data["position"].astype(np.int64)),
             velocity=rig.direction * data["velocity"] * self._velocity_unit,

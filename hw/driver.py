@@ -12,6 +12,7 @@ import numpy as np
 from hw.configure import MODES, pose_settings, ram_settings
 from hw.cycle import Cycle, Reading
 from hw.interrupts import Interrupts, caught_interrupts
+from hw.line import WATCHDOG_TRIPPED
 from hw.pace import realtime_priority
 from hw.resample import ramp
 from hw.rig import Raw, Rig
@@ -28,7 +29,6 @@ from ros_free_stack.robots import StopPolicy
 Recorder = Callable[[float, float, Floats, Reading], None]
 """Called each cycle with time (s), lateness (s), goal (N,) rad and the reading."""
 
-_WATCHDOG_TRIPPED = 0xFF
 _SLACK = 0.1
 """rad that a joint may stand outside its range when it is enabled; the ramp brings it back in."""
 
@@ -221,7 +221,7 @@ class Driver:
             label = self.rig.label(i)
             if error := self.servos.read(i, "Hardware Error Status"):
                 raise ServoFault(label, f"hardware error: {hardware_errors(error)}; run `servos reboot`")
-            if self.servos.read(i, "Bus Watchdog") == _WATCHDOG_TRIPPED:
+            if self.servos.read(i, "Bus Watchdog") == WATCHDOG_TRIPPED:
                 raise ServoFault(
                     label, "its bus watchdog tripped: a stream before this one died; run `servos release` to recover it"
                 )

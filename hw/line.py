@@ -24,6 +24,8 @@ METHODS: tuple[Method, ...] = ("fast sync read", "sync read", "single reads")
 SINGLES_PER_CYCLE = 3
 CODE = 0x7F
 """Bits of a status packet's error byte that say why an instruction was refused."""
+WATCHDOG_TRIPPED = 0xFF
+"""What the Bus Watchdog register holds once it has stopped the servo."""
 MARGIN_S = 4e-3
 """How much longer than the wire takes an answer may take."""
 

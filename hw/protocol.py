@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 HEADER = b"\xff\xff\xfd\x00"
 BROADCAST = 0xFE
-MAX_ID = 0xFC
 ALERT = 0x80
 """Bit of a status packet's error byte: the servo's hardware error status is not zero."""
 HEADER_SIZE = 7

@@ -3,13 +3,13 @@
 import time
 
 from hw.cycle import Cycle
+from hw.line import WATCHDOG_TRIPPED
 from hw.rig import Raw
 from hw.servos import Servos
 from ros_free_stack.errors import BusFault, LostServo, PortError
 
 _SHOTS = 5
 _ROUNDS = 3
-_WATCHDOG_TRIPPED = 0xFF
 
 
 def hold(cycle: Cycle, goals: Raw, seconds: float, cycle_s: float) -> None:
@@ -61,7 +61,7 @@ def _is_off(servos: Servos, i: int, *, recover: bool) -> bool:
         if servos.read(i, "Torque Enable"):
             servos.write(i, "Torque Enable", 0)
             return servos.read(i, "Torque Enable") == 0
-        if recover or servos.read(i, "Bus Watchdog") != _WATCHDOG_TRIPPED:
+        if recover or servos.read(i, "Bus Watchdog") != WATCHDOG_TRIPPED:
             servos.write(i, "Bus Watchdog", 0)
     except (LostServo, BusFault, PortError):
         return False

@@ -17,7 +17,7 @@ from hw.telemetry import Recording
 from hw.virtual.bus import VirtualBus
 from ros_free_stack.console import say
 from ros_free_stack.errors import ModelMismatch, UnsafeCommand
-from ros_free_stack.files import save_telemetry
+from ros_free_stack.files import make_folder, save_telemetry
 from ros_free_stack.messages import Mount, RobotTrajectory, Verdict
 from ros_free_stack.rate import RateStatistics
 from ros_free_stack.robots import RobotDescription, ServoSafety, StopPolicy
@@ -113,6 +113,7 @@ def stream(
     Raises:
         UnsafeCommand: no passing verdict of this trajectory, model and mount, or the motion breaks a limit.
         ModelMismatch: robot, trajectory and servos do not belong together.
+        InvalidFile: the calibration cannot be read, or the telemetry not be written; said before anything moves.
         HardwareFault: port, bus or servo failed; the servos were stopped.
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
@@ -120,6 +121,8 @@ def stream(
     rig = _rig(robot, joints, calibration)
     rig = rig if safety is None else replace(rig, safety=safety)
     goals = resample(trajectory, rig)
+    if telemetry is not None:
+        make_folder(telemetry.parent)
     with opened_port(port, robot) as path, Driver(rig, path, at_end=at_end) as driver:
         for bus in driver.servos.buses:
             if not bus.latency.ok:

@@ -58,11 +58,13 @@ def test_scan_of_a_silent_port_ends_with_a_hardware_fault(capsys: Capture) -> No
 def test_info_shows_errors_and_says_who_is_alarmed(bus: VirtualBus, capsys: Capture) -> None:
     with bus.locked:
         bus.servo(5).fail(OVERLOAD)
+        bus.servo(6).set("Bus Watchdog", 0xFF)
     assert given(ServosInfo, "--servo", bus.port, "--json").run() == 0
     shown = capsys.readouterr()
     found = {row["joint"]: row for row in json.loads(shown.out)["rows"]}
     assert found["r_el"]["error"] == "overload"
-    assert found["l_el"]["error"] == ""
+    assert found["l_el"]["error"] == "watchdog tripped"
+    assert found["head_pan"]["error"] == ""
     assert f"warning: servo 5 on {bus.port} raises its alert" in shown.err
 
 

@@ -15,7 +15,15 @@ import pytest
 
 from hw.stream import check_port, stream
 from hw.virtual.bus import VirtualBus
-from ros_free_stack.errors import InvalidOption, LostServo, ModelMismatch, PortError, ServoFault, UnsafeCommand
+from ros_free_stack.errors import (
+    InvalidFile,
+    InvalidOption,
+    LostServo,
+    ModelMismatch,
+    PortError,
+    ServoFault,
+    UnsafeCommand,
+)
 from ros_free_stack.files import load_telemetry, save_trajectory, save_verdict
 from ros_free_stack.messages import Check, Mount, RobotTrajectory, Verdict
 from ros_free_stack.robots import RobotDescription, ServoSafety, load_robot
@@ -123,9 +131,9 @@ def test_a_rig_with_some_joints_present_names_the_missing_until_they_are_left_ou
     present = ("r_el", "r_sho_roll", "r_sho_pitch")
     with VirtualBus.of_robot(OP3) as bus:
         with bus.locked:
-            for joint, identity in (OP3.servos.ids if OP3.servos else {}).items():
-                bus.servo(identity).dead = joint not in present and joint.startswith("r_")
-        with pytest.raises(LostServo, match=r"no answer from r_hip_yaw .servo 7., .*--joints"):
+            for identity in (7, 19):
+                bus.servo(identity).dead = True
+        with pytest.raises(LostServo, match=r"no answer from head_pan .servo 19., r_hip_yaw .servo 7. .*--joints"):
             stream(trajectory, judged(trajectory), OP3, port=bus.port, dry_run=True)
         report = stream(trajectory, judged(trajectory), OP3, port=bus.port, joints=present, safety=SAFETY)
         assert report.joints == 3 and len(report.skipped) == 17
@@ -145,6 +153,13 @@ def test_telemetry_outlives_a_fault(tmp_path: Path) -> None:
         with pytest.raises(ServoFault, match=r"r_el .* following error"):
             stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, safety=jammed)
     assert len(load_telemetry(file).time_s) > 2
+
+
+def test_telemetry_that_cannot_be_written_is_refused_before_anything_moves(tmp_path: Path) -> None:
+    trajectory = motion(seconds=0.2)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidFile, match="not a writable folder"):
+        stream(trajectory, judged(trajectory), OP3, port="/dev/nothing", telemetry=tmp_path / "file" / "t.npz")
 
 
 def test_a_robot_without_servos_says_so() -> None:
