@@ -100,7 +100,7 @@ class Network:
         return [Reply(encode_status(identity, StatusError.CRC | _alert(servo)), servo.return_delay_s)]
 
     def _hears(self, servo: Servo) -> bool:
-        return servo.answering and self.rate in (None, servo.baud)
+        return servo.answering and (self.rate is None or servo.baud == self.rate)
 
     def _followers(self, identity: int) -> list[Servo]:
         """The servos that have this for their secondary id; their own id comes first."""

@@ -74,6 +74,7 @@ class Servo:
         self._memory = Memory(self.table)
         self.get, self.set = self._memory.get, self._memory.set
         self._backup: list[bytes] = []
+        self._baud_address = self.table["Baud Rate"].address
         self._was_on = False
         self._controller = Controller(self._memory, self.motor)
         self._sensors = Sensors(self._memory, self.motor, self._controller)
@@ -121,7 +122,7 @@ class Servo:
     @property
     def baud(self) -> int:
         """Bits a second at which it hears and answers."""
-        return BAUD_RATES[self.get("Baud Rate")]
+        return BAUD_RATES[self.memory[self._baud_address]]
 
     @property
     def torque_on(self) -> bool:

@@ -11,7 +11,14 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from dynamixel_easy_sdk import Connector, Direction, DxlRuntimeError, OperatingMode, ProfileConfiguration
-from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PortHandler, Protocol2PacketHandler
+from dynamixel_sdk import (
+    COMM_SUCCESS,
+    GroupSyncRead,
+    GroupSyncWrite,
+    PortHandler,
+    Protocol2PacketHandler,
+    port_handler,
+)
 
 from hw.registers import control_table
 from hw.virtual.bus import VirtualBus
@@ -43,6 +50,12 @@ bus.disable_torque(num_retry=5)
 bus.disconnect(disable_torque=False)
 print(json.dumps(result))
 """
+
+
+@pytest.fixture(autouse=True)
+def patience(patient_sdk: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The easy layer tries once, and gives up on an answer after twice this many milliseconds."""
+    monkeypatch.setattr(port_handler, "LATENCY_TIMER", 600)
 
 
 @pytest.fixture
