@@ -24,7 +24,7 @@ def times_ms(bus: Any, goals: dict[str, int], registers: tuple[str, ...], count:
             bus.sync_write("Goal_Position", goals, normalize=False)
             for register in registers:
                 bus.sync_read(register, normalize=False)
-        except ConnectionError:
+        except (ConnectionError, IndexError):  # the SDK trips over an answer that is not the one it waits for
             continue
         durations.append(1e3 * (time.perf_counter() - start))
     return durations
@@ -36,7 +36,9 @@ def main(port: str, baud: str, ids: str, cycles: str) -> None:
     bus = DynamixelMotorsBus(port, motors)
     bus.connect(handshake=False)
     bus.set_baudrate(int(baud))
-    models = {motor.id: bus.ping(name, num_retry=3) for name, motor in motors.items()}
+    time.sleep(0.2)  # let late answers to whoever had the port before pass
+    bus.port_handler.ser.reset_input_buffer()
+    models = {motor.id: bus.ping(name, num_retry=20) for name, motor in motors.items()}
     assert set(models.values()) == {1020}, models
     goals = dict.fromkeys(motors, 2048)
     found = {
