@@ -44,9 +44,10 @@ class MiniLM(torch.nn.Module):
 
     def __init__(self) -> None:
         super().__init__()
-        self.words = torch.nn.Embedding(VOCABULARY, WIDTH)
-        self.positions = torch.nn.Embedding(MAX_TOKENS, WIDTH)
-        self.kinds = torch.nn.Embedding(2, WIDTH)
+        # Random tables would never be read, and drawing them on the meta device imports PyTorch's compiler.
+        self.words, self.positions, self.kinds = (
+            torch.nn.Embedding.from_pretrained(torch.empty(rows, WIDTH)) for rows in (VOCABULARY, MAX_TOKENS, 2)
+        )
         self.norm = torch.nn.LayerNorm(WIDTH, eps=1e-12)
         layer = torch.nn.TransformerEncoderLayer(
             WIDTH, HEADS, FEED_FORWARD, dropout=0.0, activation="gelu", layer_norm_eps=1e-12, batch_first=True

@@ -3,10 +3,12 @@
 import re
 import unicodedata
 from functools import cache
-from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from runpy import run_path
 
 from generator.text.inflection import FINITE_FORMS, GERUNDS, word_set
-from ros_free_stack.errors import InvalidPrompt
+from ros_free_stack.errors import InvalidPrompt, MissingDependency
 
 MAX_CHARACTERS = 500
 MAX_WORDS_WITHOUT_ENGLISH = 2  # "moonwalk" and "pirouette gracefully" say nothing about their language
@@ -73,4 +75,12 @@ def _stop_words_elsewhere() -> tuple[frozenset[str], ...]:
 
 
 def _stop_words(code: str) -> frozenset[str]:
-    return frozenset(import_module(f"spacy.lang.{code}.stop_words").STOP_WORDS)
+    """The function words of a language, from spaCy's file of them alone: its whole packages take seconds to import."""
+    return frozenset(run_path(str(_spacy_folder() / "lang" / code / "stop_words.py"))["STOP_WORDS"])
+
+
+def _spacy_folder() -> Path:
+    spec = find_spec("spacy")
+    if spec is None or spec.origin is None:
+        raise MissingDependency("the check of a prompt's language", "pip install spacy")
+    return Path(spec.origin).parent

@@ -29,7 +29,7 @@ def test_equals_the_transformers_library(encoder: TextEncoder, monkeypatch: pyte
     import torch
     from transformers import AutoModel, AutoTokenizer
 
-    folder = encoder_module._package_folder()
+    folder = encoder_module.package_folder()
     model = AutoModel.from_pretrained(folder).eval()
     batch = AutoTokenizer.from_pretrained(folder)(list(TEXTS), padding=True, return_tensors="pt")
     with torch.inference_mode():
