@@ -265,15 +265,15 @@ def robot_figures(retargeter: "Retargeter", joints: Floats, frames: int) -> list
     from sim.reference import make_reference
     from sim.shapes import body_shapes
     from sim.storyboard import body_colours
-    from sim.synchrony import lead_in_s
 
     robot, motion = retargeter.robot, HumanMotion(joints, FPS)
-    trajectory = retargeter.retarget(motion).trajectory
+    result = retargeter.retarget(motion)
+    trajectory = result.trajectory
     reference = make_reference(trajectory, robot, judging_model(robot))
     facing = _facing(reference.attachments["left_hip"][0] - reference.attachments["right_hip"][0])
     shapes, colours = body_shapes(reference.model, robot), body_colours(reference)
     root = reference.model.body(robot.root_body).id
-    skip = lead_in_s(motion, trajectory) * trajectory.fps
+    skip = 0.5 * trajectory.fps * max(0.0, trajectory.duration_s - result.report.slowdown * motion.duration_s)
     tall = 0.5 * body.HEIGHT / reference.body_pos[0, root, 2]
     figures = []
     for frame in np.linspace(skip, len(reference.qpos) - 1 - skip, frames).round().astype(int):

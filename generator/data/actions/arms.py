@@ -102,7 +102,7 @@ def clap(
     """Clap the hands in front of the chest or over the head."""
     up, beat = scene.vary(0.6) / speed, scene.vary(0.42) / speed
     forward, z = (0.33, -0.16) if height == "chest" else (0.22, 0.36)
-    together, apart = hand_at(forward, 0.02, z, -0.1), hand_at(forward - 0.02, 0.12 + 0.07 * size, z, -0.1)
+    together, apart = hand_at(forward, 0.035, z, -0.1), hand_at(forward - 0.02, 0.12 + 0.07 * size, z, -0.1)
     keys = [(t + up, apart)]
     for i in range(count):
         keys += [(t + up + (i + 0.45) * beat, together), (t + up + (i + 1) * beat, apart)]

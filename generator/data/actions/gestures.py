@@ -30,7 +30,7 @@ def cross_arms(scene: Scene, t: float, *, hold: Hold = 1.5, speed: Speed = 1.0) 
     up = scene.vary(0.85) / speed
     upper: Side = "left" if scene.rng.random() < 0.5 else "right"
     for s in SIDES:
-        place = hand_at(0.25, -0.10, -0.19, -0.1) if s == upper else hand_at(0.21, -0.12, -0.25, -0.1)
+        place = hand_at(0.27, -0.06, -0.18, 0.5) if s == upper else hand_at(0.23, -0.06, -0.26, 0.5)
         there_and_back(scene, t, s, place, up=up, hold=hold, via=hand_at(0.30, 0.16, -0.25))
     return t + 2 * up + hold
 

@@ -173,9 +173,9 @@ def jumping_jacks(scene: Scene, t: float, *, count: Count = 4, speed: Speed = 1.
         for s in SIDES:
             scene.move(f"roll_{s}", t + 0.6 * dip, *_toes(off, landed, 30))
             over, out = aim(0.05, 0.35, 0.93, 0.95, 0.4), aim(0.1, 1, 0.05, 0.93)
-            scene.move(
-                f"arm_{s}", t + 0.5 * dip, (0.5 * (off + landed) - 0.05, out), (landed, over if wide else scene.rest[s])
-            )
+            begin = t + 0.25 * dip
+            halfway = 0.5 * (begin + landed)
+            scene.move(f"arm_{s}", begin, (halfway, out), (landed, over if wide else scene.rest[s]))
         t = landed + 0.08
     scene.move("crouch", t, (t + 0.4, 0.0))
     return t + 0.4

@@ -135,7 +135,9 @@ def _both_hands(scene: Scene, t: float, side: Side, *keys: tuple[float, tuple[fl
     """Both hands on one grip: (time, (forward, towards `side`, up)) from the middle between the shoulders."""
     for s in SIDES:
         sign = 1 if s == side else -1
-        scene.move(f"arm_{s}", t, *[(time, hand_at(f, sign * a + 0.03, u, 0.1)) for time, (f, a, u) in keys])
+        places = [(time, f, sign * a + 0.03, u) for time, (f, a, u) in keys]
+        # The elbow of an arm that reaches across the chest is lifted before it.
+        scene.move(f"arm_{s}", t, *[(time, hand_at(f, a, u, 0.1 + 8 * max(0.0, -a))) for time, f, a, u in places])
         scene.relax(s, keys[-1][0] + 0.9)
 
 
@@ -167,7 +169,7 @@ def swing_club(
     hit, through = back + whip, back + whip + follow
     start, far, contact, after = {
         "golf": ((0.30, 0.0, -0.44), (0.16, 0.30, 0.08), (0.32, 0.0, -0.42), (0.16, -0.30, 0.12)),
-        "baseball": ((0.24, 0.16, -0.04), (0.10, 0.27, 0.04), (0.42, 0.0, -0.16), (0.18, -0.30, 0.04)),
+        "baseball": ((0.24, 0.16, -0.04), (0.16, 0.24, 0.06), (0.42, 0.0, -0.16), (0.20, -0.28, 0.06)),
     }[sport]
     _both_hands(scene, t, side, (ready, start), (back, far), (hit, contact), (through, after))
     _unwind(scene, t, -SIGN[side], (ready, back, hit, through), {"golf": 16.0, "baseball": 5.0}[sport])
@@ -191,8 +193,8 @@ def swing_racket(
     back, hit = t + wind, t + wind + whip
     through = hit + follow
     far, contact, after = {
-        "forehand": (aim(-0.30, 0.92, -0.25, 0.92), aim(0.85, 0.40, -0.12, 0.95), hand_at(0.22, -0.20, 0.06)),
-        "backhand": (hand_at(0.22, -0.26, -0.18), aim(0.80, 0.40, -0.12, 0.95), aim(0.20, 0.95, 0.25, 0.94)),
+        "forehand": (aim(-0.30, 0.92, -0.25, 0.92), aim(0.85, 0.40, -0.12, 0.95), hand_at(0.30, -0.14, 0.04, 1.5)),
+        "backhand": (hand_at(0.27, -0.20, -0.18, 1.2), aim(0.80, 0.40, -0.12, 0.95), aim(0.20, 0.95, 0.25, 0.94)),
         "serve": (hand_at(-0.08, 0.30, 0.20, 0.4), aim(0.40, 0.12, 0.90, 0.97, 0.4), aim(0.60, -0.25, -0.70, 0.93)),
     }[stroke]
     end = through + 0.9 / speed

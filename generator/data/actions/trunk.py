@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 
 from generator.data.actions.registry import Count, Hold, Size, Speed, action
+from generator.data.body import OTHER, aim
 from generator.data.scene import Scene
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -53,6 +54,10 @@ def lean(
     end = t + span + hold
     scene.move("spine", t, (t + span, spine), (end, spine), (end + span, _ZERO))
     scene.move("pelvis", t, (t + span, pelvis), (end, pelvis), (end + span, _ZERO))
+    if direction in ("left", "right"):
+        upper, along = f"arm_{OTHER[direction]}", aim(0.08, 0.55, -0.83, 0.96)  # lies on the trunk, not in it
+        rest = scene.tracks[upper].last
+        scene.move(upper, t, (t + span, along), (end, along), (end + span, rest))
     return end + span
 
 
