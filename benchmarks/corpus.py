@@ -197,7 +197,7 @@ def windows(clips: list[Floats]) -> Floats:
         root = features[:, :4] * [2 * FPS, FPS, FPS, 1]
         moments = np.concatenate([bones.reshape(len(features), -1), root], axis=1)
         starts = np.arange(0, len(features) - WINDOW + 1, WINDOW // 2)
-        found.append(moments[starts[:, None] + _MOMENTS].reshape(len(starts), -1))
+        found.append(moments[starts[:, None] + _MOMENTS].reshape(len(starts), found[0].shape[1]))
     return np.concatenate(found)
 
 
