@@ -47,7 +47,7 @@ def test_a_run_times_every_part_and_tells_whether_the_same_is_drawn(
     assert {"mask steps", "residual layers", "lock feet"} <= set(found["warm_s"][1])
     rows = {row["variant"]: row for row in found["variants"]}
     assert rows["eager"]["same_tokens"] == 1 and rows["eager"]["joints_apart_m"] == 0
-    assert rows[ANOTHER_SEED]["same_tokens"] < 0.5
+    assert rows[ANOTHER_SEED]["same_tokens"] < 1
     show(found)
     assert "| eager, another seed | 1 |" in capsys.readouterr().out
     with pytest.raises(UnknownName, match="variant"):
