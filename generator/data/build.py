@@ -71,7 +71,7 @@ def make_twins(seed: int, number: int, atoms: tuple[Atom, ...] = ()) -> tuple["M
     rows = to_float16(encode(composed.joints))
     split = clip_split(composed.names, float(rng.random()))
     clip = _label(composed, 2 * number, split, len(rows))
-    return Made(clip, rows), Made(mirror_clip(clip, 2 * number + 1), mirror_features(rows).astype(np.float16))
+    return Made(clip, rows), Made(mirror_clip(clip, 2 * number + 1), mirror_features(rows))
 
 
 def mirror_clip(clip: Clip, index: int) -> Clip:

@@ -1,20 +1,22 @@
 """Reflection of a motion's features left to right, without the trip to joints and back."""
 
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from generator.data.features import CHANNELS
 
+Real = TypeVar("Real", bound=np.floating)
+
 _NEGATED: Final = ("yaw_velocity", "_left", "left_velocity", "rotation_1", "rotation_2", "rotation_3")
 """Ends of the names of channels that change their sign: what points left, and of a rotation's first two columns the
 elements that couple the left axis with another one."""
 
 
-def mirror_features(features: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Features (T, 263) of the reflected motion."""
-    return features[:, _SOURCE] * _SIGN
+def mirror_features(features: NDArray[Real]) -> NDArray[Real]:
+    """Features (T, 263) of the reflected motion, in the same type."""
+    return (features[:, _SOURCE] * _SIGN).astype(features.dtype)
 
 
 def _opposite(channel: str) -> str:
