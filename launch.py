@@ -64,27 +64,32 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Candidate:
-    """One generated motion, what the robot makes of it, and the judgement."""
+    """One generated motion, how far it is from its sentence, what the robot makes of it, and the judgement.
+
+    `distance` is that of the evaluator of text and motion; less is better.
+    """
 
     motion: HumanMotion
+    distance: float
     trajectory: RobotTrajectory
     report: "RetargetReport"
     judgement: "Judgement"
 
     @property
     def order(self) -> tuple[int, float]:
-        """Candidates are preferred by fewest failed checks, then by how closely the robot follows the human."""
-        errors = [limb.mean for limb in self.report.position_error_cm.values()]
-        return len(self.judgement.verdict.failures), sum(errors) / len(errors)
+        """Candidates are preferred by fewest failed checks, then by how well the motion shows what was said."""
+        return len(self.judgement.verdict.failures), self.distance
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         failed = [check.name for check in self.judgement.verdict.failures]
+        errors = [limb.mean for limb in self.report.position_error_cm.values()]
         return {
             "passed": self.judgement.passed,
             "failed": failed,
             "duration_s": self.motion.duration_s,
-            "mean_position_error_cm": self.order[1],
+            "distance_to_text": self.distance,
+            "mean_position_error_cm": sum(errors) / len(errors),
         }
 
 
@@ -141,6 +146,12 @@ class Pipeline:
         generator = self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
         return generator.generate(prompt, segments, seed=seed, candidates=candidates)
 
+    def distances(self, prompt: str, motions: tuple[HumanMotion, ...]) -> list[float]:
+        """How far each motion is from its sentence."""
+        from generator.ranking import Ranker
+
+        return self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
         """The robot's trajectory of a human motion, and what had to be given up."""
         from retarget.pipeline import Retargeter
@@ -161,12 +172,14 @@ class Pipeline:
         """Generate, retarget and judge; the preferred candidate comes first."""
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
+            distances = self.distances(prompt, motions)
         found: list[Candidate] = []
-        for motion in progress(motions, "retarget and judge", total=len(motions)):
+        pairs = zip(motions, distances, strict=True)
+        for motion, distance in progress(pairs, "retarget and judge", total=len(motions)):
             with timings.measure("retarget"):
                 trajectory, report = self.retarget(motion)
             with timings.measure("validate"):
-                found.append(Candidate(motion, trajectory, report, self.judge(trajectory)))
+                found.append(Candidate(motion, distance, trajectory, report, self.judge(trajectory)))
         return tuple(sorted(found, key=lambda candidate: candidate.order))
 
     def _encoder(self) -> "TextEncoder":

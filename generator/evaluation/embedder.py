@@ -53,8 +53,11 @@ class CorpusEmbedder:
         return in_batches(features, lambda rows: self._model.motion_embeddings([torch.from_numpy(row) for row in rows]))
 
     def texts(self, pairs: Sequence[Pair]) -> Floats:
-        longest = self._model.config.words
-        vectors = self._vectors([pair.text for pair in pairs], longest)
+        return self.sentences([pair.text for pair in pairs])
+
+    def sentences(self, sentences: Sequence[str]) -> Floats:
+        """Sentences to (N, E)."""
+        vectors = self._vectors(sentences, self._model.config.words)
         return in_batches(vectors, self._model.text_embeddings)
 
 

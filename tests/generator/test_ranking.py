@@ -1,0 +1,40 @@
+"""Ranking: motions are ordered by the evaluator's distance to the sentence, at any length."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from generator.config import EvaluatorConfig
+from generator.data.build import make_twins
+from generator.data.features import decode
+from generator.evaluation.embedder import CorpusEmbedder
+from generator.models.evaluator import MotionTextEvaluator
+from generator.ranking import Ranker
+from ros_free_stack.errors import NoWeights
+from ros_free_stack.messages import HumanMotion
+
+SENTENCE = "a person waves with the left hand"
+
+
+def motions(count: int) -> list[HumanMotion]:
+    rows = [make_twins(5, number)[0].rows for number in range(count)]
+    return [HumanMotion(joints=decode(part), fps=20.0, prompt=SENTENCE, segments=(), source="corpus") for part in rows]
+
+
+def test_distances_are_those_of_the_evaluator_and_each_motion_stands_alone() -> None:
+    torch.manual_seed(0)
+    model = MotionTextEvaluator(EvaluatorConfig(16, 1, 4, 8)).eval()
+    ranker = Ranker(CorpusEmbedder(model, "tiny"))
+    chosen = motions(3)
+    together = ranker.distances(SENTENCE, chosen)
+    assert together.shape == (3,)
+    assert len(set(together.round(6))) == 3
+    np.testing.assert_allclose(together[1:2], ranker.distances(SENTENCE, chosen[1:2]), rtol=1e-4)
+    assert not np.allclose(together, ranker.distances("a person squats", chosen))
+
+
+def test_an_evaluator_that_was_never_trained_is_named(tmp_path: Path) -> None:
+    with pytest.raises(NoWeights, match="evaluator"):
+        Ranker.load(tmp_path)
