@@ -30,6 +30,7 @@ from generator.config import (
 from generator.data.dataset import MotionDataset
 from generator.grounding.consistency import consistency, paired_segments
 from generator.models.mask_transformer import MaskTransformer
+from generator.models.parts import part_count
 from generator.models.segmentation import boundary_errors, boundary_iou
 from generator.training.batches import TokenBatches, TokenCorpus
 from generator.training.durations import DurationsObjective
@@ -117,6 +118,7 @@ class Ablation:
             dropout=0.0,
             codes=self.tokenizer.codes,
             quantizers=self.tokenizer.quantizers,
+            parts=part_count(self.tokenizer.parts),
             conditioning=row.conditioning,
             layout=row.layout,
             sentence_dropout=row.sentence_dropout,

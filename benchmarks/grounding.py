@@ -62,8 +62,8 @@ def embed(dataset: MotionDataset, space: AlignedSpace, table: TextTable, count: 
     for number in progress(chosen, "embedding clips", total=len(chosen)):
         clip = dataset.clips[number]
         own = lengths[number][: len(clip.segments)]
-        tokens = space.tokenizer.encode(torch.from_numpy(dataset.features(clip))[None])[0, 0]
-        hidden = space.hidden(tokens)
+        tokens = space.tokenizer.encode(torch.from_numpy(dataset.features(clip))[None])
+        hidden = space.hidden(tokens[: space.model.config.parts, 0])
         texts = space.texts(table.embeddings[table.rows(clip.captions[0].segments)])
         found.append(Embedded(clip, hidden, texts, space.segments(hidden, own.tolist()), own))
     return found

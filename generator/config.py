@@ -19,6 +19,7 @@ Config = TypeVar("Config")
 
 ConditioningKind = Literal["sentence", "segments", "layout"]
 SegmentationKind = Literal["uniform", "change-point", "clustering", "exact"]
+PartsKind = Literal["whole", "limbs"]
 AlignmentKind = Literal["none", "segment", "batch", "global", "token"]
 
 
@@ -29,20 +30,24 @@ class TokenizerConfig:
     Attributes:
         stem: "strided" halves the rate in two stages (MoMask); "patch" in one step of overlapping windows, several
             times cheaper because no layer then runs at the frame rate.
-        width, depth: channels, and residual blocks a stage.
+        width, depth: channels of the decoder, and residual blocks a stage.
+        encoder_width: channels of each part's encoder.
         dilation_growth: dilation of block i is this to the power i.
         codes, code_width, quantizers: codebook entries, their width, and residual layers.
+        parts: what has codes of its own, the "whole" body (MoMask) or its "limbs": legs, trunk, and either arm.
         quantizer_dropout: probability that a training batch uses only the first few quantizers.
     """
 
     stem: Literal["strided", "patch"]
     width: int
+    encoder_width: int
     depth: int
     dilation_growth: int
     codes: int
     code_width: int
     quantizers: int
     quantizer_dropout: float = 0.2
+    parts: PartsKind = "whole"
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class TransformerConfig:
     Attributes:
         width, layers, heads, feed_forward, dropout: the usual sizes.
         codes, quantizers: those of the tokenizer it speaks the tokens of.
+        parts: in how many parts the tokenizer takes the body.
         conditioning: what the model reads: "sentence" the pooled sentence alone (MoMask), "segments" the sentence and
             its ordered segments (SegMo), "layout" at each motion token also its segment's text, number and progress.
         layout: for conditioning "layout", where the segments lie in time: "exact" (labelled boundaries in training,
@@ -68,6 +74,7 @@ class TransformerConfig:
     dropout: float
     codes: int
     quantizers: int
+    parts: int = 1
     conditioning: ConditioningKind = "layout"
     layout: Literal["exact", "uniform"] = "exact"
     condition_dropout: float = 0.1
@@ -155,6 +162,7 @@ class Sampling:
         steps: iterations of the mask transformer's decoding.
         mask_guidance, residual_guidance: scales of classifier-free guidance; 1 is none.
         temperature, residual_temperature: of the token distributions.
+        layers: how many layers of tokens are drawn, the base layer included, at most as many as there are.
         top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
         duration_spread: how much of the predicted spread of durations the seed plays out.
         foot_lock: hold standing feet still, see `generator.foot_lock`.
@@ -165,12 +173,13 @@ class Sampling:
     residual_guidance: float = 2.0
     temperature: float = 1.0
     residual_temperature: float = 0.5
+    layers: int = 1
     top_k: float = 0.9
     duration_spread: float = 0.3
     foot_lock: bool = True
 
 
-_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=6)
+_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=3, parts=4)
 _FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
 
 
@@ -181,7 +190,9 @@ def _textless(config: TransformerConfig) -> TransformerConfig:
 
 PRESETS: dict[str, Preset] = {
     "small": Preset(
-        tokenizer=TokenizerConfig("patch", 192, 3, 2, codes=512, code_width=128, quantizers=6, quantizer_dropout=0.4),
+        tokenizer=TokenizerConfig(
+            "patch", 256, 96, 3, 2, codes=512, code_width=64, quantizers=3, quantizer_dropout=0.4, parts="limbs"
+        ),
         tokenizer_training=Training(48, 10_000, 1e-3, ema=0.0, weight_decay=0.0),
         mask=_SMALL_MASK,
         mask_training=Training(64, 20_000, 1e-3, alignment="segment", alignment_weight=0.1),
@@ -195,7 +206,7 @@ PRESETS: dict[str, Preset] = {
         grounding_training=Training(64, 4_000, 1e-3, alignment="batch"),
     ),
     "full": Preset(
-        tokenizer=TokenizerConfig("strided", 512, 3, 3, codes=512, code_width=512, quantizers=6),
+        tokenizer=TokenizerConfig("strided", 512, 512, 3, 3, codes=512, code_width=512, quantizers=6),
         tokenizer_training=Training(256, 100_000, 2e-4, warm_up=2000, ema=0.0, weight_decay=0.0),
         mask=_FULL_MASK,
         mask_training=Training(64, 300_000, 2e-4, warm_up=2000, alignment="segment"),

@@ -223,7 +223,7 @@ class MotionGenerator:
         )
         with torch.inference_mode():
             known = self._known(around, condition)
-            base = self.mask.generate(condition, sampling, noise, known[0])
+            base = self.mask.generate(condition, sampling, noise, known[: self.mask.config.parts])
             tokens = self.residual.generate(base, condition, sampling, noise, known)
             # Each at its own length, so that padding cannot reach it.
             return [
@@ -232,9 +232,10 @@ class MotionGenerator:
             ]
 
     def _known(self, around: Surroundings, condition: Condition) -> torch.Tensor:
-        """(Q, B, T) tokens of the surroundings, -1 where there are none."""
+        """(Q P, B, T) tokens of the surroundings, -1 where there are none."""
         before, after = around.tokens
-        known = condition.lengths.new_full((self.residual.config.quantizers, *condition.token_mask.shape), -1)
+        rows = self.residual.config.quantizers * self.residual.config.parts
+        known = condition.lengths.new_full((rows, *condition.token_mask.shape), -1)
         features = [torch.from_numpy(part).float()[None].to(known.device) for part in around.features()]
         if before:
             known[:, :, :before] = self.tokenizer.encode(features[0])[..., -before:]

@@ -86,7 +86,7 @@ class Caption(Command):
         motion, folder = load_motion(self.motion), self.weights or WEIGHTS_FOLDER
         space, known = AlignedSpace.load(folder), KnownTexts.load(folder / "grounding")
         tokens = space.motion_tokens(motion)
-        lengths = self._lengths(motion, space, len(tokens))
+        lengths = self._lengths(motion, space, tokens.shape[1])
         nearest = known.nearest(space.segments(space.hidden(tokens), lengths), self.top)
         result, lines, start = [], [], 0
         for length, texts in zip(lengths, nearest, strict=True):

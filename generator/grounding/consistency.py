@@ -37,7 +37,7 @@ def paired_segments(model: MaskTransformer, batches: Sequence[TokenBatch]) -> tu
     texts, motions = [], []
     for batch in batches:
         keep = torch.full((len(batch.motion_segments),), model.config.condition_dropout < 1)
-        output = model(batch.tokens[0], batch.condition, keep, keep)
+        output = model(batch.tokens[: model.config.parts], batch.condition, keep, keep)
         present = batch.motion_segments > 0
         texts.append(model.alignment.text_embeddings(output.segments)[present])
         motions.append(model.alignment.motion_embeddings(output.hidden, batch.motion_segments)[present])

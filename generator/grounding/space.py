@@ -54,7 +54,7 @@ class AlignedSpace:
         return cls(tokenizer.eval().requires_grad_(False), model.eval().requires_grad_(False))
 
     def motion_tokens(self, motion: HumanMotion) -> Tensor:
-        """Base tokens (n,) of a motion, four frames each.
+        """Base tokens (P, n) of a motion, four frames each.
 
         Raises:
             InvalidOption: the motion is not at 20 fps, too short or too long.
@@ -68,14 +68,16 @@ class AlignedSpace:
                 f"found {frames} at {motion.fps:g} fps",
             )
         features = torch.from_numpy(encode(motion.joints).astype(np.float32))
-        return self.tokenizer.encode(features[None])[0, 0]
+        return self.tokenizer.encode(features[None])[: self.model.config.parts, 0]
 
     def hidden(self, tokens: Tensor) -> Tensor:
-        """Hidden tokens (n, W) of a motion's base tokens (n,), none masked, no text seen."""
+        """Hidden tokens (n, W) of a motion's base tokens (P, n), none masked, no text seen."""
         none = torch.zeros(1, dtype=torch.bool)
-        condition = Condition(torch.zeros(1, TEXT_WIDTH), torch.zeros(1, 1, TEXT_WIDTH), torch.tensor([[len(tokens)]]))
+        condition = Condition(
+            torch.zeros(1, TEXT_WIDTH), torch.zeros(1, 1, TEXT_WIDTH), torch.tensor([[tokens.shape[1]]])
+        )
         with torch.inference_mode():
-            return self.model(tokens[None].long(), condition, none, none).hidden[0]
+            return self.model(tokens[:, None].long(), condition, none, none).hidden[0]
 
     def segments(self, hidden: Tensor, lengths: Sequence[int]) -> Tensor:
         """(A, W) embeddings of the segments of so many tokens each that make up a motion."""

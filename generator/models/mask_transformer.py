@@ -19,7 +19,7 @@ class MaskOutput:
     """Result of the mask transformer.
 
     Attributes:
-        logits: (B, T, K) of the codes.
+        logits: (P, B, T, K) of the codes of each part.
         hidden: (B, T, W) motion tokens of the last layer.
         sentence, segments: (B, W), (B, A, W) text tokens; A is 0 where the model reads the sentence alone.
     """
@@ -31,13 +31,17 @@ class MaskOutput:
 
 
 class MaskTransformer(nn.Module):
-    """Bidirectional transformer on sentence token, segment tokens and motion tokens (SegMo, equation 4)."""
+    """Bidirectional transformer on sentence token, segment tokens and motion tokens (SegMo, equation 4).
+
+    Where the tokenizer takes the body in P parts, the parts' tokens of one time enter as the sum of their embeddings,
+    each masked or not by itself, and leave as one prediction each.
+    """
 
     def __init__(self, config: TransformerConfig) -> None:
         super().__init__()
         self.config = config
         width = config.width
-        self.embedding = nn.Embedding(config.codes + 1, width)
+        self.embedding = nn.Embedding(config.parts * (config.codes + 1), width)
         self.position = nn.Parameter(0.02 * torch.randn(MAX_TOKENS, width))
         self.conditioning = SegmentConditioning(width, config.conditioning)
         self.transformer = Transformer(
@@ -47,7 +51,7 @@ class MaskTransformer(nn.Module):
             feed_forward=config.feed_forward,
             dropout=config.dropout,
         )
-        self.output = nn.Linear(width, config.codes)
+        self.output = nn.Linear(width, config.parts * config.codes)
         self.alignment = SegmentAlignment(width)
         nn.init.normal_(self.embedding.weight, std=0.02)
 
@@ -56,75 +60,85 @@ class MaskTransformer(nn.Module):
         return self.config.codes
 
     def forward(self, tokens: Tensor, condition: Condition, keep_sentence: Tensor, keep_text: Tensor) -> MaskOutput:
-        """Tokens (B, T), some of them the mask token, to predictions; for the (B,) flags see SegmentConditioning."""
+        """Tokens (P, B, T), some of them the mask token, to predictions; for the (B,) flags see SegmentConditioning."""
         given = self.conditioning(condition, keep_sentence, keep_text)
-        motion = self.embedding(tokens) + self.position[: tokens.shape[1]] + given.local
+        tables = torch.arange(len(tokens), device=tokens.device)[:, None, None] * (self.config.codes + 1)
+        motion = self.embedding(tokens + tables).sum(0) + self.position[: tokens.shape[2]] + given.local
         mask = torch.cat([given.prefix_mask, condition.token_mask], dim=1)
         hidden = self.transformer(torch.cat([given.prefix, motion], dim=1), mask)[:, given.prefix.shape[1] :]
-        return MaskOutput(self.output(hidden), hidden, given.sentence, given.segments)
+        logits = self.output(hidden).unflatten(-1, (len(tokens), -1)).permute(2, 0, 1, 3)
+        return MaskOutput(logits, hidden, given.sentence, given.segments)
 
     @torch.inference_mode()
     def generate(
         self, condition: Condition, sampling: Sampling, generator: torch.Generator, known: Tensor | None = None
     ) -> Tensor:
-        """Base tokens (B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT).
+        """Base tokens (P, B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT).
 
-        `known` (B, T) gives tokens that stay as they are, and -1 for those to be generated.
+        `known` (P, B, T) gives tokens that stay as they are, and -1 for those to be generated.
         """
-        tokens = torch.full(condition.token_mask.shape, self.mask_token, device=condition.lengths.device)
+        valid = condition.token_mask.expand(self.config.parts, -1, -1)
+        tokens = torch.full(valid.shape, self.mask_token, device=valid.device)
         if known is not None:
             tokens = torch.where(known >= 0, known, tokens)
-        length = ((tokens == self.mask_token) & condition.token_mask).sum(1)
+        length = ((tokens == self.mask_token) & valid).sum((0, 2))
         for step in range(1, sampling.steps + 1):
             logits = self._guided(tokens, condition, sampling.mask_guidance)
             drawn, chance = sample(logits, sampling.temperature, sampling.top_k, generator)
             masked = tokens == self.mask_token
             tokens = torch.where(masked, drawn, tokens)
             # Tokens of earlier steps and padding rank last, so that only this step's least sure ones are masked again.
-            surety = chance.masked_fill(~masked | ~condition.token_mask, torch.inf)
+            surety = chance.masked_fill(~masked | ~valid, torch.inf)
             again = (math.cos(math.pi / 2 * step / sampling.steps) * length).floor().long()
-            rank = surety.argsort(dim=1, stable=True).argsort(1)
-            tokens = tokens.masked_fill((rank < again[:, None]) & masked & condition.token_mask, self.mask_token)
-        return tokens.masked_fill(~condition.token_mask, 0)
+            tokens = tokens.masked_fill((_ranks(surety) < again[:, None]) & masked & valid, self.mask_token)
+        return tokens.masked_fill(~valid, 0)
 
     def _guided(self, tokens: Tensor, condition: Condition, scale: float) -> Tensor:
         """Logits with classifier-free guidance."""
-        keep = torch.ones(len(tokens), dtype=torch.bool, device=tokens.device)
+        keep = torch.ones(tokens.shape[1], dtype=torch.bool, device=tokens.device)
         if scale == 1:
             return self(tokens, condition, keep, keep).logits.float()
         both = torch.cat([keep, ~keep])
-        logits = self(tokens.repeat(2, 1), condition.repeated(2), both, both).logits.float()
-        with_text, without = logits.chunk(2)
+        logits = self(tokens.repeat(1, 2, 1), condition.repeated(2), both, both).logits.float()
+        with_text, without = logits.chunk(2, dim=1)
         return without + scale * (with_text - without)
 
 
 def sample(logits: Tensor, temperature: float, top_k: float, generator: torch.Generator) -> tuple[Tensor, Tensor]:
-    """Draw one code for each (B, T, K) of logits from the best share 1 - `top_k` of them.
+    """Draw one code for each (..., K) of logits from the best share 1 - `top_k` of them.
 
-    Returns: (B, T) codes and (B, T) their probability among all codes.
+    Returns: (...) codes and (...) their probability among all codes.
     """
     best, codes = logits.topk(max(1, round((1 - top_k) * logits.shape[-1])), dim=-1)
     weights = (best / temperature).softmax(-1)
-    choice = torch.multinomial(weights.flatten(0, 1), 1, generator=generator).view(*logits.shape[:2], 1)
+    choice = torch.multinomial(weights.flatten(0, -2), 1, generator=generator).view(*logits.shape[:-1], 1)
     drawn = codes.gather(-1, choice)
     return drawn[..., 0], logits.softmax(-1).gather(-1, drawn)[..., 0]
 
 
 def mask_tokens(tokens: Tensor, valid: Tensor, codes: int) -> tuple[Tensor, Tensor]:
-    """Mask tokens (B, T) for training, as MoMask does.
+    """Mask tokens (P, B, T) for training, as MoMask does.
 
-    The share cos(pi u / 2) of each row is chosen, u uniform; of the chosen ones 10 % become random codes, 88 % of the
-    rest the mask token (number `codes`), and what remains stays.
+    Of each motion's tokens, valid (B, T) in every part, the share cos(pi u / 2) is chosen, u uniform; of the chosen
+    ones 10 % become random codes, 88 % of the rest the mask token (number `codes`), and what remains stays.
 
-    Returns: the masked tokens and which were chosen, both (B, T).
+    Returns: the masked tokens and which were chosen, both (P, B, T).
     """
     shape, device = tokens.shape, tokens.device
-    share = torch.cos(math.pi / 2 * torch.rand(shape[0], 1, device=device))
-    count = (share * valid.sum(1, keepdim=True)).round().clamp_min(1)
-    order = torch.rand(shape, device=device).masked_fill(~valid, torch.inf).argsort(1).argsort(1)
-    chosen = (order < count) & valid
+    valid = valid.expand(shape)
+    share = torch.cos(math.pi / 2 * torch.rand(shape[1], device=device))
+    count = (share * valid.sum((0, 2))).round().clamp_min(1)
+    order = _ranks(torch.rand(shape, device=device).masked_fill(~valid, torch.inf))
+    chosen = (order < count[:, None]) & valid
     draw = torch.rand(shape, device=device)
     randomised = chosen & (draw < RANDOM_SHARE)
     hidden = chosen & (draw >= RANDOM_SHARE) & (draw < RANDOM_SHARE + (1 - RANDOM_SHARE) * MASK_SHARE)
     masked = torch.where(randomised, torch.randint_like(tokens, codes), tokens)
     return masked.masked_fill(hidden, codes), chosen
+
+
+def _ranks(values: Tensor) -> Tensor:
+    """(P, B, T) rank of each value among all those of its motion, from 0."""
+    parts, batch, _ = values.shape
+    order = values.transpose(0, 1).reshape(batch, -1).argsort(dim=1, stable=True)
+    return order.argsort(1).view(batch, parts, -1).transpose(0, 1)

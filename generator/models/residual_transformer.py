@@ -19,8 +19,8 @@ class ResidualTransformer(nn.Module):
         super().__init__()
         self.config = config
         width, layers, codes = config.width, config.quantizers, config.codes
-        self.embedding = nn.Parameter(0.02 * torch.randn(layers, codes, width))
-        self.bias = nn.Parameter(torch.zeros(layers, codes))
+        self.embedding = nn.Parameter(0.02 * torch.randn(layers * config.parts, codes, width))
+        self.bias = nn.Parameter(torch.zeros(layers * config.parts, codes))
         self.layer = nn.Embedding(layers, width)
         self.position = nn.Parameter(0.02 * torch.randn(MAX_TOKENS, width))
         self.conditioning = SegmentConditioning(width, config.conditioning)
@@ -37,13 +37,19 @@ class ResidualTransformer(nn.Module):
     def forward(
         self, tokens: Tensor, layer: int, condition: Condition, keep_sentence: Tensor, keep_text: Tensor
     ) -> Tensor:
-        """Tokens (Q', B, T) of at least the `layer` lowest layers to logits (B, T, K) of that layer, 1 <= layer < Q."""
+        """Tokens (Q' P, B, T) of at least the `layer` lowest layers of P parts to logits of that layer, 1 <= layer < Q.
+
+        Returns: (P, B, T, K).
+        """
         given = self.conditioning(condition, keep_sentence, keep_text)
-        below = torch.stack([self.embedding[i][tokens[i]] for i in range(layer)]).sum(0)
+        rows = layer * self.config.parts
+        below = torch.stack([self.embedding[i][tokens[i]] for i in range(rows)]).sum(0)
         motion = below + self.layer.weight[layer] + self.position[: below.shape[1]] + given.local
         mask = torch.cat([given.prefix_mask, condition.token_mask], dim=1)
         hidden = self.transformer(torch.cat([given.prefix, motion], dim=1), mask)[:, given.prefix.shape[1] :]
-        return self.output(hidden) @ self.embedding[layer].T + self.bias[layer]
+        own = slice(rows, rows + self.config.parts)
+        scores = torch.einsum("btw,pkw->pbtk", self.output(hidden), self.embedding[own])
+        return scores + self.bias[own, None, None]
 
     @torch.inference_mode()
     def generate(
@@ -54,17 +60,18 @@ class ResidualTransformer(nn.Module):
         generator: torch.Generator,
         known: Tensor | None = None,
     ) -> Tensor:
-        """Base tokens (B, T) to the tokens of all layers (Q, B, T), layer by layer.
+        """Base tokens (P, B, T) to those of as many layers as `sampling` asks for (Q' P, B, T), one after the other.
 
-        `known` (Q, B, T) gives tokens that stay as they are, and -1 for those to be generated.
+        `known` (Q P, B, T) gives tokens that stay as they are, and -1 for those to be generated.
         """
-        tokens = base[None]
-        for layer in range(1, self.config.quantizers):
+        tokens, parts = base, self.config.parts
+        for layer in range(1, min(sampling.layers, self.config.quantizers)):
             logits = self._guided(tokens, layer, condition, sampling.residual_guidance)
             drawn, _ = sample(logits, sampling.residual_temperature, sampling.top_k, generator)
             if known is not None:
-                drawn = torch.where(known[layer] >= 0, known[layer], drawn)
-            tokens = torch.cat([tokens, drawn[None]])
+                given = known[layer * parts : (layer + 1) * parts]
+                drawn = torch.where(given >= 0, given, drawn)
+            tokens = torch.cat([tokens, drawn])
         return tokens
 
     def _guided(self, tokens: Tensor, layer: int, condition: Condition, scale: float) -> Tensor:
@@ -74,5 +81,5 @@ class ResidualTransformer(nn.Module):
             return self(tokens, layer, condition, keep, keep).float()
         both = torch.cat([keep, ~keep])
         logits = self(tokens.repeat(1, 2, 1), layer, condition.repeated(2), both, both).float()
-        with_text, without = logits.chunk(2)
+        with_text, without = logits.chunk(2, dim=1)
         return without + scale * (with_text - without)

@@ -29,7 +29,7 @@ class TokenClip:
 
     Attributes:
         number: its place among all clips of the data set.
-        tokens: (Q, n) int16.
+        tokens: (Q P, n) int16.
         sentences: (C,) rows of its captions in the table of sentences.
         segments: (C, A) rows of each caption's segment texts in the table of segments.
     """
@@ -46,7 +46,7 @@ class TokenBatch:
     """A batch for the transformers.
 
     Attributes:
-        tokens: (Q, B, T), zero on padding.
+        tokens: (Q P, B, T) of Q layers of P parts, zero on padding.
         condition: what they are conditioned on.
         motion_segments: (B, A) tokens of the motion segments that texts are aligned with.
     """
@@ -197,7 +197,7 @@ def _check(dataset: MotionDataset, clip: Clip) -> None:
 
 
 def _tokenise(tokenizer: MotionTokenizer, dataset: MotionDataset, clips: Sequence[Clip]) -> list[np.ndarray]:
-    """Tokens (Q, n) int16 of each clip."""
+    """Tokens (Q P, n) int16 of each clip."""
     tokens = [np.empty(0)] * len(clips)
     batches = list(batches_of_equal_length(clips))
     for rows in progress(batches, "tokenising", total=len(batches)):

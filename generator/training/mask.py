@@ -64,7 +64,7 @@ class MaskObjective:
         """
         assert isinstance(model, MaskTransformer)
         device = model.position.device
-        tokens, condition = batch.tokens[0].to(device), batch.condition.to(device)
+        tokens, condition = batch.tokens[: self.config.parts].to(device), batch.condition.to(device)
         masked, chosen = mask_tokens(tokens, condition.token_mask, self.config.codes)
         output = model(masked, condition, keep_sentence.to(device), keep_text.to(device))
         logits, target = output.logits[chosen].float(), tokens[chosen]

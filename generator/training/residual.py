@@ -48,7 +48,9 @@ class ResidualObjective:
     ) -> dict[str, Tensor]:
         device = self.model.position.device
         tokens, condition = batch.tokens.to(device), batch.condition.to(device)
-        logits = model(tokens[:layer], layer, condition, keep_sentence.to(device), keep_text.to(device))
-        logits, target = logits[condition.token_mask].float(), tokens[layer][condition.token_mask]
+        logits = model(tokens, layer, condition, keep_sentence.to(device), keep_text.to(device))
+        own = tokens[layer * self.config.parts : (layer + 1) * self.config.parts]
+        valid = condition.token_mask.expand(own.shape)
+        logits, target = logits[valid].float(), own[valid]
         loss = functional.cross_entropy(logits, target)
         return {"loss": loss, "accuracy": (logits.argmax(-1) == target).float().mean()}

@@ -14,6 +14,7 @@ from generator.data.dataset import Clip, MotionDataset
 from generator.data.features import CHANNELS, HUMANML3D
 from generator.models.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.skeleton import BONES
 
 ROOT, YAW, HEIGHT = slice(0, 3), slice(0, 1), slice(3, 4)
 POSITIONS, ROTATIONS, VELOCITIES = slice(4, 67), slice(67, 193), slice(193, 259)
@@ -21,10 +22,14 @@ POSITIONS, ROTATIONS, VELOCITIES = slice(4, 67), slice(67, 193), slice(193, 259)
 CONTACTS = slice(259, 263)
 FEET = [4 + 3 * (joint - 1) + axis for joint in HUMANML3D.feet for axis in range(3)]
 
+LIMBS = [(parent - 1, child - 1) for parent, child in BONES if parent > 0]
+
 VALIDATION_CLIPS = 200
 BATCH_CLIPS = 64
 
-VELOCITY_WEIGHT, JOINT_WEIGHT, DRIFT_WEIGHT, FEET_WEIGHT, COMMITMENT_WEIGHT = 0.5, 3.0, 0.5, 3.0, 0.02
+VELOCITY_WEIGHT, JOINT_WEIGHT, BONE_WEIGHT, DRIFT_WEIGHT, FEET_WEIGHT = 0.5, 2.0, 0.3, 0.5, 3.0
+COMMITMENT_WEIGHT = 0.02
+STIFF = 0.1  # of its length; bones that hardly move are not blown up
 PLANTED = 4.0  # how much more a planted foot's slip counts than a swinging one's
 
 
@@ -46,19 +51,23 @@ def reconstruction_losses(found: Tensor, target: Tensor, mean: Tensor, std: Tens
     "features" and "velocity": smooth L1 of values and of their differences in time (MoMask); "joints": mean distance
     of joint positions in m; "drift": error of root yaw (rad) and path (m) summed up over time, which catches the
     small steady errors that add up to a wrong heading; "feet": error of the feet's steps over the ground in m a
-    frame, planted ones above all, because root and pose may each be nearly right and the feet skate all the same.
+    frame, planted ones above all, because root and pose may each be nearly right and the feet skate all the same;
+    "bones": error of each bone's vector by how much that bone varies, because a nod or a shrug is all that head and
+    collars do, and yet moves the joints by no more than the usual error of their places.
     """
     weights = channel_weights().to(found.device)
     features = (functional.smooth_l1_loss(found, target, reduction="none") * weights).mean()
     velocity = functional.smooth_l1_loss(found.diff(dim=1), target.diff(dim=1), reduction="none") * weights
     error = (found - target) * std
-    joints = (error[..., POSITIONS].unflatten(-1, (-1, 3)).square().sum(-1) + 1e-8).sqrt().mean()
+    places = error[..., POSITIONS].unflatten(-1, (-1, 3))
+    joints = _length(places).mean()
     drift = error[..., ROOT].cumsum(1).abs().mean()
+    bones = _bone_error(places, (target * std + mean)[..., POSITIONS].unflatten(-1, (-1, 3)))
     feet = _feet_error(found * std + mean, target * std + mean)
     total = (
         features + VELOCITY_WEIGHT * velocity.mean() + JOINT_WEIGHT * joints + DRIFT_WEIGHT * drift + FEET_WEIGHT * feet
     )
-    return {"loss": total, "features": features, "joints": joints, "drift": drift, "feet": feet}
+    return {"loss": total, "features": features, "joints": joints, "bones": bones, "drift": drift, "feet": feet}
 
 
 def foot_steps(features: Tensor) -> Tensor:
@@ -78,8 +87,22 @@ def foot_steps(features: Tensor) -> Tensor:
 
 
 def _feet_error(found: Tensor, target: Tensor) -> Tensor:
-    error = (foot_steps(found) - foot_steps(target)).square().sum(-1).add(1e-8).sqrt()
+    error = _length(foot_steps(found) - foot_steps(target))
     return (error * (1 + PLANTED * target[:, :-1, CONTACTS])).mean()
+
+
+def _bone_error(error: Tensor, places: Tensor) -> Tensor:
+    """Mean over the bones of the error of their vector by how much it varies in the batch, from (B, T, 21, 3) in m."""
+    parents, children = zip(*LIMBS, strict=True)
+    wrong = _length(error[..., children, :] - error[..., parents, :])
+    bones = (places[..., children, :] - places[..., parents, :]).flatten(0, 1)
+    varies = (bones - bones.mean(0)).square().sum(-1).mean(0).sqrt()
+    return (wrong / varies.maximum(STIFF * _length(bones).mean(0))).mean()
+
+
+def _length(vectors: Tensor) -> Tensor:
+    """Euclidean length of (..., 3), with a gradient at zero."""
+    return (vectors.square().sum(-1) + 1e-8).sqrt()
 
 
 class TokenizerObjective:

@@ -22,7 +22,7 @@ def arguments(tmp_path_factory: pytest.TempPathFactory) -> Arguments:
     dataset = MotionDataset.open(write_tiny_dataset(folder / "data", test_split=True))
     training = replace(PRESETS["small"].tokenizer_training, batch=8, window=40)
     torch.manual_seed(0)
-    config = TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=2)
+    config = TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs")
     train(TokenizerObjective(dataset, config, training, seed=0), training, folder / "w" / "tokenizer", Run(3))
     return Arguments(
         dataset=folder / "data",

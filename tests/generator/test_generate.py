@@ -34,10 +34,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of tiny models that were never trained."""
     torch.manual_seed(0)
     folder = tmp_path_factory.mktemp("weights")
-    tokenizer = TokenizerConfig("patch", 16, 1, 2, codes=32, code_width=8, quantizers=3)
-    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3)
+    tokenizer = TokenizerConfig("patch", 16, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs")
+    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=4)
     model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
-    model.quantizer.codebooks.normal_()
+    for books in model.quantizers.buffers():
+        if books.ndim == 3:
+            books.normal_()
     for name in ("tokenizer", "mask", "residual", "durations"):
         (folder / name).mkdir()
     weights.save(folder / "tokenizer", tokenizer, model, {})

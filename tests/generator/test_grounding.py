@@ -26,10 +26,10 @@ from tests.generator.tiny_dataset import ACTIONS, tiny_joints, write_tiny_datase
 TRAINING = replace(PRESETS["small"].tokenizer_training, batch=8, iterations=150, warm_up=5, window=40)
 TINY = replace(
     PRESETS["small"],
-    tokenizer=TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=2),
+    tokenizer=TokenizerConfig("patch", 32, 24, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs"),
     tokenizer_training=TRAINING,
     grounding=TransformerConfig(
-        32, 1, 4, 64, dropout=0.0, codes=32, quantizers=2, conditioning="segments", condition_dropout=1.0
+        32, 1, 4, 64, dropout=0.0, codes=32, quantizers=2, parts=4, conditioning="segments", condition_dropout=1.0
     ),
     grounding_training=replace(TRAINING, alignment="batch", ema=0.9),
 )
@@ -90,7 +90,7 @@ def test_caption_names_each_segment(folder: Path, motion: Path, capsys: pytest.C
 
 def test_windows_are_segments(folder: Path) -> None:
     space = AlignedSpace.load(folder)
-    hidden = space.hidden(torch.arange(10))
+    hidden = space.hidden(torch.arange(10).expand(space.model.config.parts, -1))
     windows = space.windows(hidden, 4)
     assert windows.shape == (7, 32)
     torch.testing.assert_close(windows[0], space.segments(hidden, [4, 6])[0])

@@ -6,11 +6,12 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, ConditioningKind, Sampling, TransformerConfig, from_json, to_json
+from generator.config import PRESETS, ConditioningKind, Sampling
 from generator.models.conditioning import Condition, stack_lengths
 from generator.models.mask_transformer import MaskTransformer, mask_tokens, sample
 
-CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24)
+PARTS = 2
+CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24, parts=PARTS)
 
 
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
@@ -31,13 +32,14 @@ def flags(count: int) -> torch.Tensor:
 
 def test_masking_shares() -> None:
     torch.manual_seed(0)
-    tokens, valid = torch.randint(24, (4000, 40)), torch.ones(4000, 40, dtype=torch.bool)
+    tokens, valid = torch.randint(24, (PARTS, 4000, 40)), torch.ones(4000, 40, dtype=torch.bool)
     valid[:, 30:] = False
     masked, chosen = mask_tokens(tokens, valid, 24)
-    assert not chosen[:, 30:].any()
-    assert chosen.sum(1).min() >= 1
+    assert not chosen[..., 30:].any()
+    assert chosen.sum((0, 2)).min() >= 1
+    assert (chosen[0] != chosen[1]).any()
     assert torch.equal(masked[~chosen], tokens[~chosen])
-    assert float(chosen[:, :30].float().mean()) == pytest.approx(0.637, abs=0.02)  # mean of cos is 2 / pi
+    assert float(chosen[..., :30].float().mean()) == pytest.approx(0.637, abs=0.02)  # mean of cos is 2 / pi
     assert float((masked[chosen] == 24).float().mean()) == pytest.approx(0.9 * 0.88, abs=0.01)
     kept = float((masked[chosen] == tokens[chosen]).float().mean())
     assert kept == pytest.approx(0.9 * 0.12 + 0.1 / 24, abs=0.01)
@@ -46,18 +48,18 @@ def test_masking_shares() -> None:
 def test_padding_does_not_reach_the_tokens(model: MaskTransformer) -> None:
     alone, padded = condition([3, 4]), condition([3, 4], [6, 6])
     padded = Condition(alone.sentence.repeat(2, 1), alone.segments.repeat(2, 1, 1), padded.lengths)
-    tokens = torch.randint(24, (2, 12))
-    single = model(tokens[:1, :7], alone, flags(1), flags(1)).logits[0]
-    double = model(tokens, padded, flags(2), flags(2)).logits[0, :7]
+    tokens = torch.randint(24, (PARTS, 2, 12))
+    single = model(tokens[:, :1, :7], alone, flags(1), flags(1)).logits[:, 0]
+    double = model(tokens, padded, flags(2), flags(2)).logits[:, 0, :7]
     torch.testing.assert_close(single, double, atol=1e-5, rtol=1e-5)
 
 
 def test_generation_fills_every_token(model: MaskTransformer) -> None:
     given = condition([3, 4], [10], [5, 5, 5])
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
-    assert tokens.shape == (3, 15)
+    assert tokens.shape == (PARTS, 3, 15)
     assert int(tokens.max()) < 24
-    assert tokens[0, 7:].abs().max() == 0
+    assert tokens[:, 0, 7:].abs().max() == 0
     again = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
     other = model.generate(given, Sampling(), torch.Generator().manual_seed(1))
     assert torch.equal(tokens, again)
@@ -75,23 +77,12 @@ def test_every_conditioning_generates(conditioning: ConditioningKind) -> None:
     torch.manual_seed(0)
     model = MaskTransformer(replace(CONFIG, conditioning=conditioning)).eval()
     tokens = model.generate(condition([3, 4], [10]), Sampling(), torch.Generator().manual_seed(0))
-    assert tokens.shape == (2, 10)
+    assert tokens.shape == (PARTS, 2, 10)
     assert int(tokens.max()) < 24
 
 
-def test_weights_of_before_conditioning_could_be_chosen_are_read_as_they_were(model: MaskTransformer) -> None:
-    data = to_json(CONFIG)
-    del data["conditioning"]
-    config = from_json(TransformerConfig, data)
-    assert config == CONFIG
-    same = MaskTransformer(config).eval()
-    same.load_state_dict(model.state_dict())
-    given, tokens = condition([4, 4]), torch.full((1, 8), 24)
-    assert torch.equal(same(tokens, given, flags(1), flags(1)).logits, model(tokens, given, flags(1), flags(1)).logits)
-
-
 def test_guidance_of_one_is_the_conditional_model(model: MaskTransformer) -> None:
-    given, tokens = condition([4, 4]), torch.full((1, 8), 24)
+    given, tokens = condition([4, 4]), torch.full((PARTS, 1, 8), 24)
     plain = model(tokens, given, flags(1), flags(1)).logits
     without = model(tokens, given, ~flags(1), ~flags(1)).logits
     torch.testing.assert_close(model._guided(tokens, given, 1.0), plain)
@@ -117,6 +108,7 @@ def test_learns_which_text_means_which_token() -> None:
         words = torch.randint(4, (32, 2))
         given = Condition(torch.randn(32, 384), texts[words], lengths)
         tokens = words.gather(1, given.segment_of)
+        tokens = torch.stack([tokens, tokens + 10])
         masked, chosen = mask_tokens(tokens, given.token_mask, 24)
         keep = torch.rand(32) > 0.1
         loss = functional.cross_entropy(model(masked, given, keep, keep).logits[chosen], tokens[chosen])
@@ -126,16 +118,16 @@ def test_learns_which_text_means_which_token() -> None:
     model.eval()
     given = Condition(torch.randn(1, 384), texts[torch.tensor([[2, 1]])], stack_lengths([[3, 4]]))
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
-    assert tokens.tolist() == [[2, 2, 2, 1, 1, 1, 1]]
+    assert tokens.tolist() == [[[2, 2, 2, 1, 1, 1, 1]], [[12, 12, 12, 11, 11, 11, 11]]]
 
 
 def test_known_tokens_stay(model: MaskTransformer) -> None:
     given = condition([5, 6], [4, 4])
-    known = torch.full((2, 11), -1)
-    known[:, :3] = torch.tensor([7, 8, 9])
-    known[0, 10], known[1, 7] = 11, 12
+    known = torch.full((PARTS, 2, 11), -1)
+    known[..., :3] = torch.tensor([7, 8, 9])
+    known[0, 0, 10], known[1, 1, 7] = 11, 12
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0), known)
     assert torch.equal(tokens[known >= 0], known[known >= 0])
     assert int(tokens.max()) < 24
-    free = model.generate(given, Sampling(), torch.Generator().manual_seed(0), torch.full((2, 11), -1))
+    free = model.generate(given, Sampling(), torch.Generator().manual_seed(0), torch.full((PARTS, 2, 11), -1))
     assert torch.equal(free, model.generate(given, Sampling(), torch.Generator().manual_seed(0)))

@@ -8,11 +8,13 @@ import torch
 
 from generator.config import FEATURES, PRESETS, TokenizerConfig
 from generator.data.features import CHANNELS, HUMANML3D, decode
+from generator.models.parts import part_channels, part_count
+from generator.models.quantizer import ResidualQuantizer
 from generator.models.tokenizer import MotionTokenizer
 from generator.training.tokenizer import ROOT, YAW, channel_weights, foot_steps, reconstruction_losses
 
-SMALL = replace(PRESETS["small"].tokenizer, width=16, code_width=8, codes=32)
-STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3)
+SMALL = replace(PRESETS["small"].tokenizer, width=16, encoder_width=8, code_width=8, codes=32)
+STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3, parts="whole")
 
 
 @pytest.mark.parametrize("config", [SMALL, STRIDED], ids=["patch", "strided"])
@@ -20,9 +22,10 @@ STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3)
 def test_every_length_makes_whole_tokens(config: TokenizerConfig, frames: int) -> None:
     tokenizer = MotionTokenizer(config).eval()
     tokens = tokenizer.encode(torch.randn(2, frames, FEATURES))
-    assert tokens.shape == (SMALL.quantizers, 2, frames // 4)
+    rows = part_count(config.parts) * config.quantizers
+    assert tokens.shape == (rows, 2, frames // 4)
     assert tokenizer.decode(tokens).shape == (2, frames // 4 * 4, FEATURES)
-    assert tokenizer.decode(tokens[:1]).shape == (2, frames // 4 * 4, FEATURES)
+    assert tokenizer.decode(tokens[: part_count(config.parts)]).shape == (2, frames // 4 * 4, FEATURES)
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -30,7 +33,12 @@ def test_presets_have_the_shapes_of_their_sizes(name: str) -> None:
     config = PRESETS[name].tokenizer
     with torch.device("meta"):
         tokenizer = MotionTokenizer(config)
-    assert tokenizer.quantizer.codebooks.shape == (config.quantizers, config.codes, config.code_width)
+    shapes = [
+        tuple(quantizer.codebooks.shape)
+        for quantizer in tokenizer.quantizers
+        if isinstance(quantizer, ResidualQuantizer)
+    ]
+    assert shapes == [(config.quantizers, config.codes, config.code_width)] * part_count(config.parts)
 
 
 def test_features_are_standardised_inside() -> None:
@@ -58,6 +66,29 @@ def test_a_few_steps_learn_a_motion() -> None:
         optimiser.step()
         history.append(loss.item())
     assert history[-1] < 0.35 * history[0]
+
+
+def test_every_feature_belongs_to_one_part() -> None:
+    for kind in ("whole", "limbs"):
+        parts = part_channels(kind)
+        assert sorted(channel for part in parts for channel in part) == list(range(FEATURES))
+    legs, trunk, left, right = part_channels("limbs")
+    assert {CHANNELS[i].split("_")[0] for i in left} == {"left"}
+    assert [CHANNELS[i].replace("left", "right", 1) for i in left] == [CHANNELS[i] for i in right]
+    assert CHANNELS.index("root_height") in legs
+    assert CHANNELS.index("head_position_up") in trunk
+
+
+def test_a_part_keeps_its_codes_whatever_the_others_do() -> None:
+    tokenizer = MotionTokenizer(SMALL).eval()
+    for books in tokenizer.quantizers.buffers():
+        if books.ndim == 3:
+            torch.nn.init.normal_(books)
+    features = torch.randn(1, 40, FEATURES)
+    other = features.clone()
+    other[..., part_channels("limbs")[2]] += 1.0
+    same = (tokenizer.encode(features) == tokenizer.encode(other)).flatten(1).all(1).view(-1, 4).all(0)
+    assert same.tolist() == [True, True, False, True]
 
 
 def test_root_channels_weigh_most() -> None:
@@ -99,6 +130,19 @@ def test_a_slipping_planted_foot_costs_more_than_a_swinging_one() -> None:
     losses = [reconstruction_losses(target + slip, target, mean, std)["feet"] for target in (swinging, planted)]
     assert float(losses[0]) == pytest.approx(0.01, rel=1e-3)
     assert float(losses[1]) > 3 * float(losses[0])
+
+
+def test_a_nod_costs_more_in_bones_than_in_joints() -> None:
+    """The head's 2 cm drown among 21 joints, but are all that its bone does."""
+    neck, head = 4 + 3 * 11, 4 + 3 * 14
+    mean, std = torch.linspace(0, 20, FEATURES), torch.ones(FEATURES)
+    mean[head : head + 3] = mean[neck : neck + 3] + torch.tensor([0.0, 0.1, 0.0])
+    target = torch.zeros(1, 8, FEATURES)
+    target[:, ::2, head], target[:, 1::2, head] = 0.02, -0.02
+    still = torch.zeros(1, 8, FEATURES)
+    losses = reconstruction_losses(still, target, mean, std)
+    assert float(losses["joints"]) == pytest.approx(0.02 / 21, abs=2e-4)
+    assert float(losses["bones"]) == pytest.approx(1 / 18, rel=0.2)
 
 
 def test_joint_loss_is_in_metres() -> None:

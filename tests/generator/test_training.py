@@ -36,10 +36,10 @@ from generator.training.tokenizer import TokenizerObjective
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights, UnknownName
 from tests.generator.tiny_dataset import write_tiny_dataset
 
-_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3)
+_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=4)
 _TRAINING = replace(PRESETS["small"].mask_training, batch=8, iterations=12, warm_up=2)
 TINY = Preset(
-    tokenizer=TokenizerConfig("patch", 32, 1, 2, codes=32, code_width=8, quantizers=3),
+    tokenizer=TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs"),
     tokenizer_training=replace(_TRAINING, window=40, alignment="none", ema=0.0),
     mask=_TRANSFORMER,
     mask_training=_TRAINING,
@@ -95,7 +95,7 @@ def test_every_stage_leaves_weights_config_and_curve(trained: Path, stage: str) 
 
 def test_matrices_are_saved_in_half_precision_and_vectors_are_not(trained: Path) -> None:
     state = weights.load(trained / "tokenizer", "tokenizer").state
-    assert state["quantizer.codebooks"].dtype == torch.float16
+    assert state["quantizers.0.codebooks"].dtype == torch.float16
     assert state["mean"].dtype == torch.float32
 
 
