@@ -1,7 +1,6 @@
-"""Command line of the servo room: stream a trajectory; scan, read, set up, calibrate and emulate servos."""
+"""Command line of the servo room: stream a trajectory; scan, read, set up and calibrate servos."""
 
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -316,23 +315,3 @@ class ServosCalibrate(BusCommand):
         calibration.save(self.out)
         self.report({"calibration": str(self.out), "joints": len(calibration.joints)}, f"wrote {self.out}")
         return 0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ServosEmulate(Command):
-    """Run an emulated bus of a robot's servos on a pseudo terminal until Ctrl-C."""
-
-    robot: str = "op3"
-    """Robot whose servos are emulated."""
-    untimed: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Answer at once instead of after the time that the bytes take on the wire."""
-
-    def run(self) -> int:
-        from hw.virtual.bus import VirtualBus
-
-        with VirtualBus.of_robot(load_robot(self.robot), timed=not self.untimed) as bus:
-            self.report({"port": bus.port, "servos": sorted(bus.network.servos)}, bus.port)
-            sys.stdout.flush()
-            say("emulating; stop with Ctrl-C")
-            while True:
-                time.sleep(3600)
