@@ -13,7 +13,11 @@ from hw.virtual.cli import ServosEmulate
 from ros_free_stack.errors import InvalidOption
 
 SDK = Protocol2PacketHandler()
-CODE = "import signal, tyro; from hw.virtual.cli import ServosEmulate; tyro.cli(ServosEmulate).run()"
+CODE = (
+    "import signal, tyro; from hw.virtual.cli import ServosEmulate; "
+    # A test run in the background inherits that SIGINT is ignored.
+    "signal.signal(signal.SIGINT, signal.default_int_handler); tyro.cli(ServosEmulate).run()"
+)
 
 
 def test_a_port_for_another_program_with_a_fault() -> None:
