@@ -65,7 +65,9 @@ class Profile:
             change = max(-self.acceleration * dt, min(self.acceleration * dt, change))
         self.velocity += change
         step = self.velocity * dt
-        if abs(distance) <= max(abs(step), self.acceleration * dt * dt):
+        # A reference that is too fast to stop at the goal passes it and comes back.
+        stops = self.acceleration <= 0 or abs(self.velocity) <= 2 * self.acceleration * dt
+        if stops and abs(distance) <= max(abs(step), self.acceleration * dt * dt):
             self.position, self.velocity = self.goal, 0.0
         else:
             self.position += step

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hw.virtual.profile import RECTANGULAR, STEP, TRAPEZOIDAL, TRIANGULAR, Profile
@@ -54,6 +54,7 @@ def test_time_based(rise_s: float) -> None:
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0.2, 8), st.floats(1, 60))
+@example(1.0, 0.0078125, 1.0, 1.0)  # too fast to stop at the second goal
 def test_bounds_hold_also_when_the_goal_changes(first: float, second: float, speed: float, acceleration: float) -> None:
     profile = Profile()
     profile.head_for(first, speed=speed, acceleration=acceleration)
