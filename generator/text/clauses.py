@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from generator.text.inflection import FINITE_FORMS, GERUNDS, gerund, third_person, word_set
@@ -19,6 +20,13 @@ _BEFORE_VERB = frozenset({"aux", "auxpass", "neg", "advmod"})
 _MANNERS = word_set("using lifting curving bending keeping making leaning facing taking going leading")
 _COMPARISONS = frozenset({"like", "if", "though", "because"})
 _NEVER_VERBS = frozenset({"left", "right", "jack", "jacks"}) | (LIMBS - {"hand", "hands", "head", "elbow", "elbows"})
+_EXERCISES = (
+    (word_set("calf knee leg"), word_set("raises lifts")),
+    (word_set("star squat tuck box split frog lunge"), word_set("jump jumps")),
+    (word_set("push pull sit chin press"), word_set("ups")),
+    (word_set("jump jumping"), word_set("jack jacks")),
+)
+"""First and second words of exercises whose names look like verbs."""
 POSSESSIVES = frozenset({"your", "their", "his", "its", "my", "our"})
 _OTHERS = {"him": "them", "me": "them", "you": "them", "us": "them", "himself": "themselves", "itself": "themselves",
            "herself": "themselves", "yourself": "themselves", "myself": "themselves"}  # fmt: skip
@@ -97,12 +105,9 @@ def clauses(doc: "Doc") -> list[Clause]:
 
 
 def _is_head(token: "Token") -> bool:
-    before_jacks = token.i + 1 < len(token.doc) and token.nbor().text in {"jack", "jacks"}
-    exercise = token.i > 0 and token.nbor(-1).text in {"calf", "knee", "leg"} and token.text in {"raises", "lifts"}
     if (
         token.text in _NEVER_VERBS
-        or before_jacks
-        or exercise
+        or _names_exercise(token)
         or any(child.dep_ == "auxpass" for child in token.children)
     ):
         return False
@@ -116,6 +121,12 @@ def _is_head(token: "Token") -> bool:
         return token.dep_ == "conj" and token.head.tag_ == "VBZ" and token.n_lefts == 0 and _is_head(token.head)
     participle = token.tag_ == "VBD" and _governor(token) in LIMBS  # "with the arms stretched out"
     return token.tag_ in _FINITE_TAGS and not participle
+
+
+def _names_exercise(token: "Token") -> bool:
+    """A word of "calf raises", "star jumps", "push ups"."""
+    words = [word.text for word in token.doc[max(0, token.i - 1) : token.i + 2]]
+    return any(a in first and b in second for a, b in pairwise(words) for first, second in _EXERCISES)
 
 
 def _is_object(token: "Token") -> bool:
