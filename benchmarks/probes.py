@@ -119,7 +119,8 @@ def draw_sentence(kind: str, names: tuple[str, ...], rng: np.random.Generator) -
         legs = _pick([name for name in names if ACTIONS[name].part == "legs"], rng)
         arms = _pick([name for name in names if ACTIONS[name].part == "arms"], rng)
         deeds = [(name, entry(name).sample(draw)) for name in (legs, arms)]
-        both = together(*(entry(name).phrase(params, voice, rng) for name, params in deeds), rng)
+        below, above = (entry(name).phrase(params, voice, rng) for name, params in deeds)
+        both = together(below, above, rng)
         text = segment_text(both)
         return Sentence(kind, text, (text,), (_named(deeds, text),))
     chain = _unseen(names, _LENGTHS[kind], rng)
