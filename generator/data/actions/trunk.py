@@ -79,7 +79,7 @@ def twist(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> fl
 @action("trunk")
 def sway(scene: Scene, t: float, *, count: Count = 2, speed: Speed = 1.0) -> float:
     """Shift the weight from side to side `count` times."""
-    beat = scene.vary(2.3) / speed
+    beat = scene.vary(1.9) / speed
     first = 1 if scene.rng.random() < 0.5 else -1
     offset, spine = [], []
     for i in range(2 * count):

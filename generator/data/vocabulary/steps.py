@@ -237,7 +237,7 @@ ENTRIES = (
     ),
     Entry(
         "sneak",
-        lambda d: {"steps": d.count(4, 8), "speed": d.uniform(0.75, 1.15)},
+        lambda d: {"steps": d.count(3, 6), "speed": d.uniform(0.85, 1.3)},
         (
             "<sneak> forward",
             "<sneak>",

@@ -100,7 +100,7 @@ ENTRIES = (
     ),
     Entry(
         "sway",
-        lambda d: {"count": d.count(2, 4), "speed": d.speed()},
+        lambda d: {"count": d.count(1, 4), "speed": d.speed()},
         (
             "<sway> from side to side",
             "<sway> side to side",
