@@ -25,6 +25,13 @@ POINTS = (
 Feet are followed as frames. Shoulders follow from the pelvis and the torso, and on some robots wander as an arm turns.
 """
 
+LIMBS = tuple(
+    tuple(f"{side}_{joint}" for joint in joints)
+    for joints in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist"))
+    for side in ("left", "right")
+)
+"""Chains of human joints; a robot must have at least one."""
+
 
 @dataclass(frozen=True)
 class Foot:
@@ -73,20 +80,30 @@ class RobotGeometry:
     feet: tuple[Foot, ...]
 
     @property
+    def held(self) -> bool:
+        """Whether the root never moves: the robot is mounted by it."""
+        return self.robot.mount == "fixed"
+
+    @property
     def followed(self) -> tuple[str, ...]:
         """Human joints whose positions are followed, in the order of every point array."""
         return tuple(self.bodies)
 
     @property
     def ankle_height(self) -> float:
-        """Height of the ankles above the floor in the standing pose, m."""
-        return float(np.mean([self.points[f"{side}_ankle"][2] for side in ("left", "right")]))
+        """Height of the ankles above the floor in the standing pose, m; 0 without feet."""
+        return float(np.mean([self.points[f"{foot.side}_ankle"][2] for foot in self.feet])) if self.feet else 0.0
 
     @property
     def hip_height(self) -> float:
         """Height of the hips above the ankles in the standing pose, m; the length by which legs are scaled."""
         hips = np.mean([self.points[f"{side}_hip"][2] for side in ("left", "right")])
         return float(hips) - self.ankle_height
+
+    @property
+    def limb_length(self) -> float:
+        """Length of a leg, or of an arm where the robot has no legs, m: what weights and thresholds are scaled by."""
+        return self.length(*next(limb for limb in LIMBS if self.points.keys() >= set(limb)))
 
     def length(self, *chain: str) -> float:
         """Sum of the distances along attachments, m."""
@@ -97,19 +114,19 @@ def measure(robot: RobotDescription) -> RobotGeometry:
     """Compile the robot's model and measure it.
 
     Raises:
-        UnsupportedModel: no floating base, or an attachment that retargeting needs is missing.
+        InvalidFile: the model is damaged, or lacks what the description names.
+        UnsupportedModel: an attachment that retargeting needs is missing.
     """
-    model = kinematic_model(robot)
-    if model.njnt == 0 or model.jnt_type[0] != mujoco.mjtJoint.mjJNT_FREE:
-        raise UnsupportedModel(f"robot {robot.name}: the first joint must be the free joint of {robot.root_body!r}")
     _require_attachments(robot)
+    model = kinematic_model(robot)
     data = mujoco.MjData(model)
     standing = standing_qpos(model, robot)
     data.qpos[:] = standing
     mujoco.mj_kinematics(model, data)
     qpos_index, dof_index = joint_addresses(model, robot)
-    frames = {"pelvis": model.body(robot.root_body).id}
-    if robot.torso_body != robot.root_body:
+    pelvis = robot.attachments["pelvis"].body
+    frames = {"pelvis": model.body(pelvis).id}
+    if robot.torso_body != pelvis:
         frames["torso"] = model.body(robot.torso_body).id
     followed = [joint for joint in POINTS if joint in robot.attachments]
     return RobotGeometry(
@@ -128,10 +145,14 @@ def measure(robot: RobotDescription) -> RobotGeometry:
 
 
 def _require_attachments(robot: RobotDescription) -> None:
-    needed = {f"{side}_{joint}" for side in ("left", "right") for joint in ("hip", "knee", "ankle")} | {"pelvis"}
+    legs = (f"{side}_{joint}" for side in ("left", "right") for joint in ("hip", "knee", "ankle"))
+    needed = {"pelvis", *legs} if robot.mount == "free" else {"pelvis"}
     missing = sorted(needed - robot.attachments.keys())
     if missing:
         raise UnsupportedModel(f"robot {robot.name}: its description attaches no {', '.join(missing)}")
+    if not any(robot.attachments.keys() >= set(limb) for limb in LIMBS):
+        limbs = "; ".join(", ".join(limb) for limb in LIMBS)
+        raise UnsupportedModel(f"robot {robot.name}: its description attaches no whole limb; valid: {limbs}")
 
 
 def _rotation(data: mujoco.MjData, body: int) -> Floats:

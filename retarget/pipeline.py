@@ -8,7 +8,8 @@ import numpy as np
 from retarget.balance import SHRINK, balanced_com, supports, zmp_excess
 from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
-from retarget.human import align
+from retarget.held import held_targets, own_pace
+from retarget.human import HumanClip, align
 from retarget.pace import walking_pace
 from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
@@ -51,20 +52,13 @@ class Retargeter:
         times = {"prepare": self.preparation_s}
         started = perf_counter()
         clip = align(motion)
-        stride = stride_share(clip, self._geometry)
-        pace = walking_pace(
-            clip,
-            self._geometry.hip_height,
-            leg_speed=leg_speed(self._geometry),
-            scale=stride * self._geometry.hip_height / clip.leg_length,
-        )
-        targets = make_targets(clip, self._geometry, plan_timeline(pace, fps), stride)
+        targets, stride, slowdown = self._targets(clip, fps)
         times["targets"] = perf_counter() - started
         started = perf_counter()
         solution = self._solver.solve(targets)
         times["solve"] = perf_counter() - started
         excess = None
-        if balance:
+        if balance and not self._geometry.held:
             started = perf_counter()
             solution, excess = self._balanced(targets, solution)
             times["balance"] = perf_counter() - started
@@ -76,10 +70,24 @@ class Retargeter:
                 solution,
                 zmp_outside_cm=excess,
                 stride_scale=stride,
-                slowdown=pace.slowdown,
+                slowdown=slowdown,
                 timings_s=times,
             ),
         )
+
+    def _targets(self, clip: HumanClip, fps: float) -> tuple[Targets, float, float]:
+        """Targets, and by how much strides were shortened and the motion slowed down for them."""
+        geometry = self._geometry
+        if geometry.held:
+            return held_targets(clip, geometry, plan_timeline(own_pace(clip), fps)), 1.0, 1.0
+        stride = stride_share(clip, geometry)
+        pace = walking_pace(
+            clip,
+            geometry.hip_height,
+            leg_speed=leg_speed(geometry),
+            scale=stride * geometry.hip_height / clip.leg_length,
+        )
+        return make_targets(clip, geometry, plan_timeline(pace, fps), stride), stride, pace.slowdown
 
     def _balanced(self, targets: Targets, solution: Solution) -> tuple[Solution, dict[str, Spread]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons."""

@@ -98,7 +98,7 @@ def make_report(
         },
         given_up=tuple(_given_up(geometry, targets, solution, errors)),
         slipped_contact_s=float(solution.released.sum()) / targets.fps,
-        flight_s=float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
+        flight_s=0.0 if geometry.held else float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
         stride_scale=stride_scale,
         slowdown=slowdown,
         zmp_outside_cm=zmp_outside_cm,
@@ -109,7 +109,7 @@ def make_report(
 def _given_up(
     geometry: RobotGeometry, targets: Targets, solution: Solution, errors: dict[str, np.ndarray]
 ) -> list[GivenUp]:
-    threshold = GIVEN_UP_SHARE * geometry.length("left_hip", "left_knee", "left_ankle")
+    threshold = GIVEN_UP_SHARE * geometry.limb_length
     names = np.array(geometry.robot.joint_names)
     found: list[GivenUp] = []
     for limb, error in errors.items():

@@ -25,7 +25,7 @@ def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, .
     wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidMessage(message, name, f"expected shape {wanted}, found {array.shape}")
-    if array.size == 0:
+    if any(m == 0 != n for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidMessage(message, name, f"is empty, expected shape {wanted} with at least one frame")
     if dtype is np.float64 and not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])

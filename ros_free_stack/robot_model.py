@@ -1,45 +1,79 @@
 """From a robot description to a MuJoCo model, with the description's limits applied."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ros_free_stack.errors import InvalidFile
+from ros_free_stack.couplings import joint_couplings, settle
+from ros_free_stack.errors import InvalidFile, UnsupportedModel
 from ros_free_stack.messages import Floats
 from ros_free_stack.robots import RobotDescription
 
 Indices = NDArray[np.intp]
 
 
+def read_spec(path: Path) -> mujoco.MjSpec:
+    """An MJCF file as an editable spec; InvalidFile where it is missing or MuJoCo refuses it."""
+    if not path.is_file():
+        raise InvalidFile(path, "no such model file")
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise InvalidFile(path, f"not a MuJoCo model ({_one_line(error)})") from None
+
+
+def compiled_spec(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
+    """The compiled spec of the model file `path`; InvalidFile where MuJoCo refuses it or misses one of its files."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise InvalidFile(path, f"MuJoCo cannot compile this model ({_one_line(error)})") from None
+
+
 def robot_spec(robot: RobotDescription, *, meshes: bool = True) -> mujoco.MjSpec:
-    """The robot's model as an editable spec, joint ranges set from the description.
+    """The robot's model as an editable spec, with a free root, joint ranges and locked joints from the description.
+
+    A root that the model fixes to the world gets a free joint, so that every robot's configuration begins with the
+    pose of its root; that of a robot with `mount: fixed` never moves.
 
     Args:
         robot: the description.
-        meshes: keep mesh geoms. Loading them takes seconds and kinematics needs none; without them inertias that
-            the model states explicitly are unchanged.
+        meshes: keep mesh geoms and textures. Loading them takes seconds and kinematics needs none; without them
+            inertias stay the same: meshes from which MuJoCo infers an inertia are kept.
+
+    Raises:
+        InvalidFile: the model is damaged, or lacks a body or joint that the description names.
+        UnsupportedModel: the root cannot move freely.
     """
-    try:
-        spec = mujoco.MjSpec.from_file(str(robot.model_path))
-    except ValueError as error:
-        raise InvalidFile(robot.model_path, f"not a MuJoCo model ({error})") from None
+    spec = read_spec(robot.model_path)
     if not meshes:
-        _strip_meshes(spec)
+        strip_meshes(spec)
+    _check_bodies(spec, robot)
+    _free_root(spec, robot)
     for name, limits in robot.joints.items():
-        joint = spec.joint(name)
-        if joint is None:
-            raise InvalidFile(robot.model_path, f"has no joint {name!r} that the description of {robot.name} names")
+        joint = _joint(spec, robot, name)
         joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-        joint.range = np.array([limits.lower, limits.upper])
+        joint.range = np.array([limits.lower, limits.upper]) / _unit(spec, joint)
+    for name, angle in robot.locked.items():
+        _lock(spec, _joint(spec, robot, name), angle)
     return spec
 
 
-def _strip_meshes(spec: mujoco.MjSpec) -> None:
+def strip_meshes(spec: mujoco.MjSpec) -> None:
+    """Delete every mesh geom that adds nothing to an inertia, and all meshes and textures that are left without use."""
     for geom in list(spec.geoms):
-        if geom.type == mujoco.mjtGeom.mjGEOM_MESH:
+        if geom.type == mujoco.mjtGeom.mjGEOM_MESH and not _makes_inertia(spec, geom):
             spec.delete(geom)
+    used = {geom.meshname for geom in spec.geoms}
     for mesh in list(spec.meshes):
-        spec.delete(mesh)
+        if (mesh.name or Path(mesh.file).stem) not in used:
+            spec.delete(mesh)
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for texture in list(spec.textures):
+        spec.delete(texture)
 
 
 def add_floor(spec: mujoco.MjSpec) -> None:
@@ -52,7 +86,7 @@ def add_floor(spec: mujoco.MjSpec) -> None:
 
 def kinematic_model(robot: RobotDescription) -> mujoco.MjModel:
     """The compiled model without meshes: quick to load, exact for kinematics and dynamics, blind to collisions."""
-    return robot_spec(robot, meshes=False).compile()
+    return compiled_spec(robot_spec(robot, meshes=False), robot.model_path)
 
 
 def joint_addresses(model: mujoco.MjModel, robot: RobotDescription) -> tuple[Indices, Indices]:
@@ -62,12 +96,14 @@ def joint_addresses(model: mujoco.MjModel, robot: RobotDescription) -> tuple[Ind
 
 
 def standing_qpos(model: mujoco.MjModel, robot: RobotDescription) -> Floats:
-    """(nq,) the standing pose with the lowest sole corner on the floor and the root above the origin."""
+    """(nq,) the standing pose: the lowest sole corner on the floor; a robot without soles where its model puts it."""
     positions, _ = joint_addresses(model, robot)
     data = mujoco.MjData(model)
     data.qpos[positions] = robot.standing_pos
-    mujoco.mj_kinematics(model, data)
-    data.qpos[2] -= min(float(corners[:, 2].min()) for corners in sole_corners(model, data, robot).values())
+    settle(model, joint_couplings(model), data.qpos)
+    if robot.soles:
+        mujoco.mj_kinematics(model, data)
+        data.qpos[2] -= min(float(corners[:, 2].min()) for corners in sole_corners(model, data, robot).values())
     return data.qpos.copy()
 
 
@@ -78,3 +114,69 @@ def sole_corners(model: mujoco.MjModel, data: mujoco.MjData, robot: RobotDescrip
         body = data.body(sole.body)
         corners[foot] = body.xpos + np.array(sole.corners) @ body.xmat.reshape(3, 3).T
     return corners
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
+def _makes_inertia(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
+    inferred = spec.compiler.inertiafromgeom
+    body = geom.parent
+    if inferred == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE or body.name == "world":
+        return False
+    if inferred == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO and body.explicitinertial:
+        return False
+    low, high = spec.compiler.inertiagrouprange
+    massless = geom.mass == 0 or (np.isnan(geom.mass) and geom.density == 0)
+    return low <= geom.group <= high and not massless
+
+
+def _check_bodies(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
+    named = {
+        "root_body": (robot.root_body,),
+        "torso_body": (robot.torso_body,),
+        "attachments": tuple(item.body for item in robot.attachments.values()),
+        "soles": tuple(sole.body for sole in robot.soles.values()),
+        "capsules": tuple(robot.capsules),
+    }
+    known = {body.name for body in spec.bodies}
+    for entry, bodies in named.items():
+        for body in bodies:
+            if body not in known:
+                raise InvalidFile(robot.path, f"{entry} names a body {body!r} that {robot.model_path.name} lacks")
+
+
+def _joint(spec: mujoco.MjSpec, robot: RobotDescription, name: str) -> mujoco.MjsJoint:
+    joint = spec.joint(name)
+    if joint is None:
+        raise InvalidFile(robot.path, f"names a joint {name!r} that {robot.model_path.name} lacks")
+    return joint
+
+
+def _free_root(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
+    root = spec.body(robot.root_body)
+    kinds = [joint.type for joint in root.joints]
+    if kinds == [mujoco.mjtJoint.mjJNT_FREE]:
+        return
+    if kinds or root.parent is None or root.parent.name != "world":
+        raise UnsupportedModel(
+            f"robot {robot.name}: its root body {robot.root_body!r} must be a child of the world with a free joint or "
+            "none; put it into a body of its own"
+        )
+    for key in list(spec.keys):  # they hold poses without a free root
+        spec.delete(key)
+    root.add_freejoint()
+
+
+def _unit(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:
+    """What the numbers that a spec has for a joint are in, in rad or m."""
+    return np.pi / 180 if spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE else 1.0
+
+
+def _lock(spec: mujoco.MjSpec, joint: mujoco.MjsJoint, angle: float) -> None:
+    equality = spec.add_equality()
+    equality.type = mujoco.mjtEq.mjEQ_JOINT
+    equality.name1 = joint.name
+    equality.data[:] = 0.0
+    equality.data[0] = angle - joint.ref * _unit(spec, joint)

@@ -4,7 +4,7 @@ import pytest
 from retarget.balance import Support, balanced_com, zmp_excess
 from retarget.dynamics import Dynamics, whole_body_dynamics
 from retarget.geometry import measure
-from ros_free_stack.robots import load_robot, robot_names
+from ros_free_stack.robots import load_robot
 
 FPS = 50.0
 NORMALS = np.array([[1.0, 0], [-1, 0], [0, 1], [0, -1]])
@@ -20,7 +20,7 @@ def pendulum(com: np.ndarray, height: float) -> Dynamics:
     return Dynamics(np.column_stack([com, np.full(len(com), height)]), com - height / 9.81 * acceleration)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", ["op3", "g1"])
 def test_the_zmp_of_a_robot_at_rest_is_below_its_centre_of_mass(name):
     geometry = measure(load_robot(name))
     dynamics = whole_body_dynamics(geometry, np.repeat(geometry.standing[None], 5, axis=0), FPS)
