@@ -22,8 +22,6 @@ from generator.data import pose as poses
 from generator.data.actions import perform
 from generator.data.captions import segment_text
 from generator.data.dataset import MotionDataset
-from generator.data.features import HUMANML3D, decode, encode
-from generator.data.readers import cmu
 from generator.data.scene import Scene
 from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry
 from generator.evaluation.metrics import frechet_distance
@@ -31,6 +29,8 @@ from ros_free_stack.coherence import leg_length, spatial_coherence, temporal_coh
 from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.files import atomic_path, make_folder
+from ros_free_stack.formats import cmu
+from ros_free_stack.formats.features import HUMANML3D, decode, encode
 from ros_free_stack.messages import Floats, HumanMotion
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import BONES, FPS, INDEX, JOINT_NAMES

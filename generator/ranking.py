@@ -7,9 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.data.features import encode
 from generator.evaluation.embedder import CorpusEmbedder
 from generator.generate import WEIGHTS_FOLDER
+from ros_free_stack.formats.features import encode
 from ros_free_stack.messages import HumanMotion
 
 

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from generator.config import TOKEN_FRAMES
 from generator.data.body import BALL_HEIGHT
-from generator.data.features import decode, encode
 from generator.foot_lock import lock_feet, standing_height
 from generator.splice import splice
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.skeleton import FPS, JOINT_COUNT
 

@@ -22,12 +22,12 @@ import numpy as np
 from generator.data.cmu_atoms import Atom, load_atoms, mirror_params
 from generator.data.compose import ComposedClip, compose_clip, plain
 from generator.data.dataset import VERSION, Caption, Clip, clip_to_json
-from generator.data.features import CHANNELS, encode, to_float16
 from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
 from ros_free_stack.console import progress, say
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import make_folder, write_json
+from ros_free_stack.formats.features import CHANNELS, encode, to_float16
 from ros_free_stack.skeleton import FPS
 
 TEST_PAIRS: Final = 0.08

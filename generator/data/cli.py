@@ -46,7 +46,7 @@ class DataShow(Command):
     def run(self) -> int:
         from generator.data.dataset import MotionDataset
         from generator.data.draw import draw_motion
-        from generator.data.features import decode
+        from ros_free_stack.formats.features import decode
 
         data = MotionDataset.open(self.dataset)
         clip = data.clip(self.clip)

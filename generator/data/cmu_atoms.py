@@ -18,10 +18,10 @@ from generator.data import pose as poses
 from generator.data.joins import cut, length
 from generator.data.mirror import mirror_words
 from generator.data.pose import Pose
-from generator.data.readers import cmu
 from generator.data.vocabulary import VOCABULARY
 from generator.data.vocabulary.english import Phrase, gerund, third_person
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats import cmu
 from ros_free_stack.skeleton import FPS, INDEX
 
 MIN_S: Final = 1.0

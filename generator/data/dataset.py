@@ -15,9 +15,9 @@ import numpy as np
 
 from generator.data.captions import Caption
 from generator.data.compose import LabelledSegment
-from generator.data.features import CHANNELS
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.files import atomic_path
+from ros_free_stack.formats.features import CHANNELS
 
 __all__ = ["SPLITS", "VERSION", "Caption", "Clip", "LabelledSegment", "MotionDataset"]
 

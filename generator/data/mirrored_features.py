@@ -5,7 +5,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.data.features import CHANNELS
+from ros_free_stack.formats.features import CHANNELS
 
 Real = TypeVar("Real", bound=np.floating)
 

@@ -6,12 +6,12 @@ from typing import Final
 
 import numpy as np
 
-from generator.data.features import decode
 from generator.evaluation import metrics
 from generator.evaluation.embedder import Embedder
 from generator.evaluation.metrics import POOL, Floats
 from generator.evaluation.pairs import Features
 from ros_free_stack.coherence import spatial_coherence, temporal_coherence
+from ros_free_stack.formats.features import decode
 
 DIVERSITY_PAIRS: Final = 300
 MULTIMODALITY_SAMPLES: Final = 30

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from generator.config import MIN_FRAMES, TOKEN_FRAMES
-from generator.data.readers.humanml3d import PublishedDataset, TaggedCaption, open_humanml3d
 from generator.evaluation.pairs import Features, Pair, drawn, whole_tokens
+from ros_free_stack.formats.humanml3d import PublishedDataset, TaggedCaption, open_humanml3d
 from ros_free_stack.skeleton import FPS
 
 LONGEST = 200

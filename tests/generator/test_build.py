@@ -9,10 +9,10 @@ import pytest
 from generator.data import build
 from generator.data.build import build_dataset, clip_split, describe, make_twins, pair_split
 from generator.data.dataset import MotionDataset
-from generator.data.features import decode
 from generator.data.mirror import mirror_joints, mirror_words
 from generator.data.vocabulary import VOCABULARY
 from ros_free_stack.errors import InvalidFile, InvalidOption
+from ros_free_stack.formats.features import decode
 
 
 @pytest.fixture(scope="module")

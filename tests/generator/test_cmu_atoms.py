@@ -10,9 +10,9 @@ from generator.data import pose as poses
 from generator.data.actions import perform
 from generator.data.cmu_atoms import MIN_S, Atom, load_atoms, marked_caption, mirror_params
 from generator.data.joins import length
-from generator.data.readers import cmu
 from generator.data.scene import Scene
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats import cmu
 from ros_free_stack.skeleton import FPS, INDEX, MIRRORED
 
 

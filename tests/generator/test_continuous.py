@@ -10,11 +10,11 @@ import pytest
 from generator.config import Sampling
 from generator.continuous import Continuation, concatenated
 from generator.data.actions import perform
-from generator.data.features import decode, encode
 from generator.data.pose import joints
 from generator.data.scene import Scene
 from generator.generate import MotionGenerator
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion, Segment
 
 WAVE = ("a person waves",)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corpus import draw_sheet, human_figures, measure, performance
-from generator.data.features import encode
+from ros_free_stack.formats.features import encode
 from ros_free_stack.skeleton import JOINT_COUNT
 
 

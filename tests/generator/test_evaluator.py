@@ -10,7 +10,6 @@ import torch
 from generator import weights
 from generator.config import EvaluatorConfig, Training
 from generator.data.dataset import MotionDataset
-from generator.data.features import encode
 from generator.data.mirror import mirror_joints
 from generator.data.mirrored_features import mirror_features
 from generator.models.evaluator import MotionTextEvaluator
@@ -18,6 +17,7 @@ from generator.text.word_vectors import WordVectors
 from generator.training.evaluator import EvaluatorObjective, contrastive_loss
 from generator.training.loop import Run, train
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.formats.features import encode
 from tests.generator.tiny_dataset import tiny_joints, write_tiny_dataset
 
 TINY = EvaluatorConfig(32, 1, 4, 16)

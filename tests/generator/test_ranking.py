@@ -8,11 +8,11 @@ import torch
 
 from generator.config import EvaluatorConfig
 from generator.data.build import make_twins
-from generator.data.features import decode
 from generator.evaluation.embedder import CorpusEmbedder
 from generator.models.evaluator import MotionTextEvaluator
 from generator.ranking import Ranker
 from ros_free_stack.errors import NoWeights
+from ros_free_stack.formats.features import decode
 from ros_free_stack.messages import HumanMotion
 
 SENTENCE = "a person waves with the left hand"

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from generator.data.features import CHANNELS, HUMANML3D, KIT, Skeleton, decode, encode, to_float16
 from ros_free_stack.errors import InvalidMessage
+from ros_free_stack.formats.features import CHANNELS, HUMANML3D, KIT, Skeleton, decode, encode, to_float16
 from ros_free_stack.skeleton import INDEX, PARENTS
 
 Floats = NDArray[np.float64]

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generator.data.readers.asf_amc import INCH, AsfSkeleton, positions, read_amc, read_asf
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.asf_amc import INCH, AsfSkeleton, positions, read_amc, read_asf
 
 ASF = """# a thigh and a shank, in inches over 0.5
 :version 1.10

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from generator.data.features import KIT
-from generator.data.readers.humanml3d import PublishedDataset
-from generator.data.readers.kit_ml import open_kit_ml, read_joints
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.features import KIT
+from ros_free_stack.formats.humanml3d import PublishedDataset
+from ros_free_stack.formats.kit_ml import open_kit_ml, read_joints
 from ros_free_stack.skeleton import INDEX
 
 DIRECTIONS = {"left": (0, 1, 0), "right": (0, -1, 0), "up": (0, 0, 1), "down": (0, 0, -1), "forward": (1, 0, 0)}

@@ -8,13 +8,14 @@ import json
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.data.readers import asf_amc, bvh, skeleton_map
-from generator.data.readers.frames import from_y_up, put_on_floor
 from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.formats import asf_amc, bvh, skeleton_map
+from ros_free_stack.formats.frames import from_y_up, put_on_floor
 from ros_free_stack.skeleton import FPS
 
 Floats = NDArray[np.float64]
@@ -139,7 +140,7 @@ def _select(path: Path, names: tuple[str, ...], points: Floats, weights: skeleto
         raise InvalidFile(path, str(error)) from None
 
 
-def _take(entry: dict) -> Take:
+def _take(entry: dict[str, Any]) -> Take:
     clips = tuple(
         Clip(
             id=clip["id"],

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.data.features import KIT
-from generator.data.readers.frames import put_on_floor, resample
-from generator.data.readers.humanml3d import PublishedDataset, open_published
-from generator.data.readers.skeleton_map import KIT_ML, select
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.features import KIT
+from ros_free_stack.formats.frames import put_on_floor, resample
+from ros_free_stack.formats.humanml3d import PublishedDataset, open_published
+from ros_free_stack.formats.skeleton_map import KIT_ML, select
 from ros_free_stack.skeleton import FPS
 
 Floats = NDArray[np.float64]

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.data.readers import cmu
-from generator.data.readers.frames import put_on_floor, resample
 from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.formats import cmu
+from ros_free_stack.formats.frames import put_on_floor, resample
 from ros_free_stack.skeleton import INDEX
 
 ENTRY = {

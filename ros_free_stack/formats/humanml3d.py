@@ -1,6 +1,6 @@
 """HumanML3D as published (Guo et al., CVPR 2022), and the folder layout that it shares with KIT-ML.
 
-FOLDER/new_joint_vecs/ID.npy    (T, 263) features of `generator.data.features`
+FOLDER/new_joint_vecs/ID.npy    (T, 263) features of `ros_free_stack.formats.features`
 FOLDER/new_joints/ID.npy        (T, 22, 3) joints, y up, z forward
 FOLDER/texts/ID.txt             one caption a line: caption#word/TAG word/TAG ...#start_s#end_s
 FOLDER/{train,val,test}.txt     one ID a line; IDs that begin with M are mirrored clips
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.data.features import HUMANML3D, Skeleton
-from generator.data.readers.frames import from_y_up
 from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.formats.features import HUMANML3D, Skeleton
+from ros_free_stack.formats.frames import from_y_up
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generator.data.readers.bvh import positions, read_bvh
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.bvh import positions, read_bvh
 
 BVH = """HIERARCHY
 ROOT hip

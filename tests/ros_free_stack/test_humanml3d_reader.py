@@ -3,9 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.data.features import decode, encode
-from generator.data.readers.humanml3d import PublishedDataset, TaggedCaption, open_humanml3d
 from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.formats.features import decode, encode
+from ros_free_stack.formats.humanml3d import PublishedDataset, TaggedCaption, open_humanml3d
 
 CAPTIONS = """a person waves.#a/DET person/NOUN wave/VERB#0.0#0.0
 a man steps left#a/DET man/NOUN step/VERB left/ADV#1.5#3.0
