@@ -34,6 +34,16 @@ class BufferedFunction:
             self._buffer.set_res(i, memory.data)
             self.outputs[name] = memory.reshape(function.size_out(i), order="F")
 
+    def read_from(self, name: str, memory: np.ndarray) -> None:
+        """Take an input from `memory`, C-ordered (columns, rows), from now on."""
+        self._buffer.set_arg(list(self.inputs).index(name), memory.reshape(-1).data)
+        self.inputs[name] = memory.T
+
+    def write_to(self, name: str, memory: np.ndarray) -> None:
+        """Write an output into `memory`, C-ordered (columns, rows), from now on."""
+        self._buffer.set_res(list(self.outputs).index(name), memory.reshape(-1).data)
+        self.outputs[name] = memory.T
+
     def __call__(self) -> dict[str, np.ndarray]:
         self._evaluate()
         return self.outputs

@@ -1,20 +1,27 @@
 """How far joints may move in the next frame: range, speed and acceleration limits that can always be kept.
 
 A joint that moves toward the end of its range must begin to brake in time. With the largest change of step per frame
-a = acceleration dt^2, a joint that has just made a step v still needs at most (v - a/2)^2 / (2a) to stop, so a step is
-allowed only where v + (v - a/2)^2 / (2a) stays within the distance left. Braking by `a` a frame then always satisfies
-the next frame's bound: the limits never contradict each other.
+a = acceleration dt^2, a joint that has just made a step v stops within less than v^2 / (2a), so a step is allowed only
+where v + v^2 / (2a) stays within the distance left. Braking by `a` a frame then always satisfies the next frame's
+bound, also where the frames' length changes: the limits never contradict each other.
 """
 
 from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 
+from retarget.geometry import RobotGeometry
 from ros_free_stack.messages import Floats
 from ros_free_stack.robots import RobotDescription
 
 MARGIN = 1e-9
 """Relative margin against rounding."""
+
+ROOT_SPEED = (8.0, 12.0)
+ROOT_ACCELERATION = (50.0, 150.0)
+"""Limits of the root: leg lengths and rad, a second and a second^2. A person's hips stay below in all but falls;
+without them the root would make up by a jump for whatever the joints' limits deny a limb."""
 
 
 @dataclass(frozen=True)
@@ -32,17 +39,43 @@ class JointBounds:
         keep = 1 - MARGIN
         return cls(robot.lower, robot.upper, robot.velocity / fps * keep, robot.acceleration / fps**2 * keep)
 
-    def reach(self, position: Floats, step: Floats) -> tuple[Floats, Floats]:
-        """(J,) lowest and highest allowed next positions after `position`, reached with the last step `step`."""
-        up = np.minimum(self.step, self._stopping(self.upper - position))
-        down = -np.minimum(self.step, self._stopping(position - self.lower))
-        brake = np.sign(step) * np.maximum(np.abs(step) - self.change, 0)
-        high = np.maximum(np.minimum(up, step + self.change), brake)
-        low = np.minimum(np.maximum(down, step - self.change), brake)
-        return np.maximum(position + low, self.lower), np.minimum(position + high, self.upper)
+    @classmethod
+    def tangent(cls, geometry: RobotGeometry, fps: float) -> "JointBounds":
+        """The limits of a tangent vector (nv,) at `fps`: the joints', and the root's, which has no range.
 
-    def _stopping(self, distance: Floats) -> Floats:
-        """(J,) largest step after which the joint can still stop within `distance`."""
-        distance = np.maximum(distance, 0.0)
-        braking = np.sqrt(2 * self.change * distance) - self.change / 2
-        return np.maximum(braking, np.minimum(distance, self.change))
+        The root of a robot that is mounted by it does not move, nor does a joint that follows others by its own step.
+        """
+        joints, size, dofs = cls.of(geometry.robot, fps), geometry.model.nv, geometry.dof_index
+        lower, upper, step, change = (np.zeros(size) for _ in range(4))
+        lower[dofs], upper[dofs], step[dofs], change[dofs] = joints.lower, joints.upper, joints.step, joints.change
+        if not geometry.held:
+            unit = np.repeat([geometry.limb_length, 1.0], 3)
+            lower[:6], upper[:6] = -np.inf, np.inf
+            step[:6] = np.repeat(ROOT_SPEED, 3) * unit / fps
+            change[:6] = np.repeat(ROOT_ACCELERATION, 3) * unit / fps**2
+        return cls(lower, upper, step, change)
+
+    @property
+    def table(self) -> Floats:
+        """(J, 4): lower, upper, step, change."""
+        return np.stack([self.lower, self.upper, self.step, self.change], axis=1)
+
+
+def reach(position: ca.SX, step: ca.SX, table: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(J,) least and largest allowed next step from `position`, reached with the last `step`, by `JointBounds.table`.
+
+    CasADi expressions, or its numbers.
+    """
+    lower, upper, most, change = ca.horzsplit(table)
+    # Rounding may leave a joint beside its range or its speed; braking is allowed all the same.
+    brake = step - ca.fmin(ca.fmax(step, -change), change)
+    up = ca.fmin(most, _stopping(upper - position, change))
+    down = ca.fmax(-most, -_stopping(position - lower, change))
+    high = ca.fmax(ca.fmin(up, step + change), brake)
+    low = ca.fmin(ca.fmax(down, step - change), brake)
+    return ca.fmax(low, lower - position), ca.fmin(high, upper - position)
+
+
+def _stopping(distance: ca.SX, change: ca.SX) -> ca.SX:
+    """(J,) largest step after which a joint can still stop within `distance`."""
+    return ca.sqrt(change**2 + 2 * change * ca.fmax(distance, 0.0)) - change

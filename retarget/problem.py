@@ -1,92 +1,200 @@
-"""One frame's least-squares problem as a CasADi function: Gauss-Newton terms, foot poses, sole heights, balance."""
+"""One frame as a quadratic program, in CasADi: least squares over a step of the configuration, bounds and rows.
 
-from collections.abc import Iterable
+With the configuration q after the step s from where the frame began, the residuals r and their Jacobian J at q, and the
+last frame's step l, an increment d of the step minimises
+
+    |W (r + J d)|^2 + |d|^2_D + |s + d - l|^2_S + p |q + d - standing|^2
+
+subject to bounds of s + d, planted feet held where they are, the other feet's corners above the floor, and limbs apart.
+"""
+
+from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from retarget.geometry import RobotGeometry
 from retarget.kinematics import Kinematics, rotation_error
+from retarget.limits import reach
+
+POINT_WEIGHTS = {"pelvis": 6.0, "elbow": 2.0, "wrist": 3.0, "knee": 1.0}
+"""Weights of position errors in units of the reference length."""
+ROTATION_WEIGHTS = {"pelvis": 4.0, "torso": 4.0, "head": 1.0}
+COM_WEIGHT = 15.0
+SWING_WEIGHTS = (10.0, 3.0)
+STANCE_WEIGHTS = (40.0, 10.0)
+"""Weights of a foot's (position in leg lengths, rotation): in the air, and standing but not yet planted."""
+DAMPING = 2e-2
+ROOT_SHARE = 0.1
+"""Damping of the root over that of a joint."""
+STEP_CHANGE = 2e-2
+"""Cost of a joint's change of step, against jitter; the root weighs its own tracking."""
+
+NEAREST = 12
+"""Pairs of limbs that one frame keeps apart."""
+UNBOUNDED = 1e30
+
+
+class _Residuals:
+    """Weighted residuals and their Jacobians."""
+
+    def __init__(self) -> None:
+        self._errors: list[ca.SX] = []
+        self._jacobians: list[ca.SX] = []
+
+    def add(self, weight: ca.SX | float, error: ca.SX, jacobian: ca.SX) -> None:
+        self._errors.append(weight * error)
+        self._jacobians.append(weight * jacobian)
+
+    def terms(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """J'J (nv, nv), J'r (nv,) and r'r."""
+        error, jacobian = ca.vertcat(*self._errors), ca.vertcat(*self._jacobians)
+        return jacobian.T @ jacobian, jacobian.T @ error, ca.dot(error, error)
+
+
+@dataclass
+class _Rows:
+    """Rows (nv,) of constraints with their bounds, and what is told of the feet."""
+
+    jacobian: list[ca.SX]
+    lower: list[ca.SX]
+    upper: list[ca.SX]
+    states: list[ca.SX]
+    soles: list[ca.SX]
 
 
 def frame_problem(geometry: RobotGeometry) -> ca.Function:
     """Build the function of one frame, with P points, K body frames, F feet and tangent dimension nv.
 
-    Inputs: `qpos` (nq); `points` (3, P), `rotations` (9, K, row-major), `soles` (3, F), `sole_rotations` (9, F) and
-    `com` (2) are targets; `point_weights` (P), `rotation_weights` (K), `sole_weights` (2, F: position, rotation) and
-    `com_weight` (1) multiply residuals.
+    Inputs: `start` (nq) configuration and `step` (nv) from it; `limits` (nv, 4: `JointBounds.table`) and `last` (nv)
+    the last frame's step; `points` (3, P), `rotations` (9, K, row-major), `soles` (3, F), `sole_rotations` (9, F) and
+    `com` (2) targets; `contact` and `held` (F) 1 for feet that stand and for those held at their `anchors` (12, F:
+    position, rotation); `com_weight` (1) of the residual; `posture` (1) pull toward the standing pose; `apart_rows`
+    (nv, NEAREST) and `apart` (NEAREST) least changes of distances between limbs since the start.
 
-    Outputs: `hessian` (nv, nv) J'J and `gradient` (nv) J'r of all weighted residuals, `cost` (1) r'r;
-    `foot_error` (6F) position and rotation errors of the feet with `foot_jacobian` (6F, nv); `height` (4F) of the sole
-    corners with `height_jacobian` (4F, nv); `point_error` (P) in m; `centre_of_mass` (3).
+    Outputs: `qpos` (nq) after the step; `low`, `high` (nv) bounds of the step; the program's `hessian` (nv, nv),
+    `gradient` (nv), `rows` (nv, 10F: six of a foot's pose and four of its corners) and bounds `lower`, `upper`
+    (nv + 10F + NEAREST); `cost` (1) of the residuals; `point_error` (P) m; `feet` (4, F): distance to the target in m
+    and rad, height of the corner farthest from the floor in m, cosine of the tilt; `sole` (12, F: position, rotation);
+    `centre_of_mass` (3).
     """
-    kinematics = Kinematics(geometry.model)
-    followed, frames, feet = geometry.followed, geometry.frames, geometry.feet
-    inputs = {
-        "qpos": kinematics.qpos,
-        "points": ca.SX.sym("points", 3, len(followed)),
-        "rotations": ca.SX.sym("rotations", 9, len(frames)),
-        "soles": ca.SX.sym("soles", 3, len(feet)),
-        "sole_rotations": ca.SX.sym("sole_rotations", 9, len(feet)),
-        "com": ca.SX.sym("com", 2),
-        "point_weights": ca.SX.sym("point_weights", len(followed)),
-        "rotation_weights": ca.SX.sym("rotation_weights", len(frames)),
-        "sole_weights": ca.SX.sym("sole_weights", 2, len(feet)),
-        "com_weight": ca.SX.sym("com_weight"),
-    }
-    errors: list[ca.SX] = []
-    jacobians: list[ca.SX] = []
-    distances: list[ca.SX] = []
-    for i, name in enumerate(followed):
-        body, weight = geometry.bodies[name], inputs["point_weights"][i]
-        point = kinematics.position(body, geometry.offsets[name])
-        error = point - inputs["points"][:, i]
-        errors.append(weight * error)
-        jacobians.append(weight * kinematics.position_jacobian(body, point))
-        distances.append(ca.norm_2(error))
-    for i, body in enumerate(frames.values()):
-        weight = inputs["rotation_weights"][i]
-        errors.append(weight * rotation_error(kinematics.rotation(body), _matrix(inputs["rotations"][:, i])))
-        jacobians.append(weight * kinematics.rotation_jacobian(body))
-    foot_errors: list[ca.SX] = []
-    foot_jacobians: list[ca.SX] = []
-    heights: list[ca.SX] = []
-    height_jacobians: list[ca.SX] = []
-    for i, foot in enumerate(feet):
-        sole = kinematics.position(foot.body, foot.centre)
-        target = _matrix(inputs["sole_rotations"][:, i])
-        pair = (sole - inputs["soles"][:, i], rotation_error(kinematics.rotation(foot.body), target))
-        pair_jacobian = (kinematics.position_jacobian(foot.body, sole), kinematics.rotation_jacobian(foot.body))
-        foot_errors += pair
-        foot_jacobians += pair_jacobian
-        for k in range(2):
-            errors.append(inputs["sole_weights"][k, i] * pair[k])
-            jacobians.append(inputs["sole_weights"][k, i] * pair_jacobian[k])
-        for corner in foot.corners:
-            point = kinematics.position(foot.body, corner)
-            heights.append(point[2])
-            height_jacobians.append(kinematics.position_jacobian(foot.body, point)[2, :])
+    model, feet = geometry.model, len(geometry.feet)
+    kinematics, residuals = Kinematics(model), _Residuals()
+    shapes = {
+        "start": (model.nq, 1), "step": (model.nv, 1), "limits": (model.nv, 4), "last": (model.nv, 1),
+        "points": (3, len(geometry.followed)), "rotations": (9, len(geometry.frames)), "soles": (3, feet),
+        "sole_rotations": (9, feet), "contact": (feet, 1), "held": (feet, 1), "anchors": (12, feet), "com": (2, 1),
+        "com_weight": (1, 1), "posture": (1, 1), "apart_rows": (model.nv, NEAREST), "apart": (NEAREST, 1),
+    }  # fmt: skip
+    inputs = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
+    distances = _follow(geometry, kinematics, inputs, residuals)
+    low, high = reach(_joint_positions(geometry, inputs["start"]), inputs["last"], inputs["limits"])
+    feet_rows = _feet(geometry, kinematics, inputs, residuals)
     com, com_jacobian = kinematics.centre_of_mass()
-    errors.append(inputs["com_weight"] * (com[:2] - inputs["com"]))
-    jacobians.append(inputs["com_weight"] * com_jacobian[:2, :])
+    residuals.add(inputs["com_weight"], com[:2] - inputs["com"], com_jacobian[:2, :])
 
-    residual, jacobian = ca.vertcat(*errors), ca.vertcat(*jacobians)
+    hessian, gradient, cost = residuals.terms()
+    own_hessian, own_gradient = _regularisation(geometry, kinematics.qpos, inputs)
+    apart = inputs["apart"] - inputs["apart_rows"].T @ inputs["step"]
     outputs = {
-        "hessian": jacobian.T @ jacobian,
-        "gradient": jacobian.T @ residual,
-        "cost": ca.dot(residual, residual),
-        "foot_error": ca.vertcat(*foot_errors),
-        "foot_jacobian": ca.vertcat(*foot_jacobians),
-        "height": ca.vertcat(*heights),
-        "height_jacobian": ca.vertcat(*height_jacobians),
+        "low": low,
+        "high": high,
+        "hessian": hessian + own_hessian,
+        "gradient": gradient + own_gradient,
+        "rows": ca.vertcat(ca.SX(0, model.nv), *feet_rows.jacobian).T,
+        "lower": ca.vertcat(low - inputs["step"], *feet_rows.lower, apart),
+        "upper": ca.vertcat(high - inputs["step"], *feet_rows.upper, ca.SX.ones(NEAREST) * UNBOUNDED),
+        "cost": cost,
         "point_error": ca.vertcat(*distances),
+        "feet": ca.horzcat(ca.SX(4, 0), *feet_rows.states),
+        "sole": ca.horzcat(ca.SX(12, 0), *feet_rows.soles),
         "centre_of_mass": com,
     }
-    return ca.Function("frame", list(inputs.values()), _dense(outputs.values()), list(inputs), list(outputs))
+    here = ca.Function("here", [kinematics.qpos, *inputs.values()], list(outputs.values()))
+    qpos = stepped(inputs["start"], inputs["step"])
+    results = [ca.densify(value) for value in (qpos, *here.call([qpos, *inputs.values()]))]
+    return ca.Function("frame", list(inputs.values()), results, list(inputs), ["qpos", *outputs])
+
+
+def _follow(
+    geometry: RobotGeometry, kinematics: Kinematics, inputs: dict[str, ca.SX], residuals: _Residuals
+) -> list[ca.SX]:
+    """Residuals of points and orientations; returns the points' distances to their targets."""
+    distances: list[ca.SX] = []
+    for i, name in enumerate(geometry.followed):
+        weight = POINT_WEIGHTS.get(name.removeprefix("left_").removeprefix("right_"), 1.0) / geometry.limb_length
+        point = kinematics.position(geometry.bodies[name], geometry.offsets[name])
+        error = point - inputs["points"][:, i]
+        residuals.add(weight, error, kinematics.position_jacobian(geometry.bodies[name], point))
+        distances.append(ca.norm_2(error))
+    for i, (name, body) in enumerate(geometry.frames.items()):
+        error = rotation_error(kinematics.rotation(body), _matrix(inputs["rotations"][:, i]))
+        residuals.add(ROTATION_WEIGHTS.get(name, 1.0), error, kinematics.rotation_jacobian(body))
+    return distances
+
+
+def _feet(geometry: RobotGeometry, kinematics: Kinematics, inputs: dict[str, ca.SX], residuals: _Residuals) -> _Rows:
+    """Residuals of the soles, and rows that hold some and keep the others' corners above the floor."""
+    rows = _Rows([], [], [], [], [])
+    for i, foot in enumerate(geometry.feet):
+        held, landing = inputs["held"][i], inputs["contact"][i] * (1 - inputs["held"][i])
+        goal = ca.vertcat(inputs["soles"][:, i], inputs["sole_rotations"][:, i])
+        goal = ca.if_else(held, inputs["anchors"][:, i], goal)
+        sole, turn = kinematics.position(foot.body, foot.centre), kinematics.rotation(foot.body)
+        errors = (sole - goal[:3], rotation_error(turn, _matrix(goal[3:])))
+        jacobians = (kinematics.position_jacobian(foot.body, sole), kinematics.rotation_jacobian(foot.body))
+        for k, unit in enumerate((geometry.limb_length, 1.0)):
+            weight = (SWING_WEIGHTS[k] + landing * (STANCE_WEIGHTS[k] - SWING_WEIGHTS[k])) / unit
+            residuals.add(weight, errors[k], jacobians[k])
+        corners = [kinematics.position(foot.body, corner) for corner in foot.corners]
+        heights = ca.vertcat(*[corner[2] for corner in corners])
+        rows.jacobian += [*jacobians, *[kinematics.position_jacobian(foot.body, corner)[2, :] for corner in corners]]
+        error, loose = ca.vertcat(*errors), UNBOUNDED * (1 - held)
+        rows.lower += [-error - loose, -heights - UNBOUNDED * held]
+        rows.upper += [-error + loose, ca.SX.ones(4) * UNBOUNDED]
+        upright = ca.dot(turn[2, :], ca.DM(foot.reference[2, :]).T)
+        rows.states.append(ca.vertcat(*[ca.norm_2(e) for e in errors], ca.mmax(ca.fabs(heights)), upright))
+        rows.soles.append(ca.vertcat(sole, ca.vec(turn.T)))
+    return rows
+
+
+def stepped(start: ca.SX, step: ca.SX) -> ca.SX:
+    """(nq,) configuration after a tangent step (nv,), as `mujoco.mj_integratePos` makes it."""
+    half = ca.norm_2(step[3:6]) / 2
+    # sin(x) / x without a division by zero.
+    share = ca.if_else(half < 1e-6, 0.5, ca.sin(half) / (2 * ca.fmax(half, 1e-6)))
+    w, (x, y, z) = ca.cos(half), (share * step[3 + i] for i in range(3))
+    a, b, c, d = (start[3 + i] for i in range(4))
+    turned = ca.vertcat(
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+    return ca.vertcat(start[:3] + step[:3], turned / ca.norm_2(turned), start[7:] + step[6:])
+
+
+def _joint_positions(geometry: RobotGeometry, qpos: ca.SX) -> ca.SX:
+    """(nv,) positions of the described joints in the places of their steps, 0 elsewhere."""
+    positions = ca.SX.zeros(geometry.model.nv)
+    for address, dof in zip(geometry.qpos_index.tolist(), geometry.dof_index.tolist(), strict=True):
+        positions[dof] = qpos[address]
+    return positions
+
+
+def _regularisation(geometry: RobotGeometry, qpos: ca.SX, inputs: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+    """(nv, nv) and (nv,) of damping, of an even step and of the pull toward the standing pose."""
+    nv = geometry.model.nv
+    damping, smoothing = np.full(nv, DAMPING), np.full(nv, STEP_CHANGE)
+    damping[:6] *= ROOT_SHARE
+    smoothing[:3] = (POINT_WEIGHTS["pelvis"] / geometry.limb_length) ** 2
+    smoothing[3:6] = ROTATION_WEIGHTS["pelvis"] ** 2
+    posture = ca.SX(nv, 1)
+    posture[geometry.dof_index.tolist()] = inputs["posture"]
+    away = _joint_positions(geometry, qpos - ca.DM(geometry.standing))
+    hessian = ca.diag(posture + ca.DM(damping + smoothing))
+    return hessian, ca.DM(smoothing) * (inputs["step"] - inputs["last"]) + posture * away
 
 
 def _matrix(row_major: ca.SX) -> ca.SX:
     return ca.reshape(row_major, 3, 3).T
-
-
-def _dense(expressions: Iterable[ca.SX]) -> list[ca.SX]:
-    return [ca.densify(expression) for expression in expressions]

@@ -42,6 +42,19 @@ LANDING_S = 0.1
 
 
 @dataclass(frozen=True)
+class Goal:
+    """What the robot should do in one frame: one row of `Targets`, and a centre of mass (2,) m to follow, or None."""
+
+    points: Floats
+    rotations: Floats
+    soles: Floats
+    sole_rotations: Floats
+    contacts: Bools
+    following: float
+    com: Floats | None = None
+
+
+@dataclass(frozen=True)
 class Targets:
     """What the robot should do, frame by frame, in its own size.
 
@@ -67,6 +80,18 @@ class Targets:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def goal(self, k: int, com: Floats | None = None) -> Goal:
+        """Frame `k`, with row `k` of a centre of mass (N, 2)."""
+        return Goal(
+            self.points[k],
+            self.rotations[k],
+            self.soles[k],
+            self.sole_rotations[k],
+            self.contacts[k],
+            float(self.following[k]),
+            None if com is None else com[k],
+        )
 
     def shifted(self, offsets: Floats) -> "Targets":
         """Everything but the feet moved by (N, 2) m over the floor."""

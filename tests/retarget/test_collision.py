@@ -1,5 +1,6 @@
 """Limbs are kept apart: capsules cover the robot, distances and their derivatives are right, motions obey them."""
 
+import casadi as ca
 import mujoco
 import numpy as np
 import pytest
@@ -8,14 +9,17 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import minimize
 
-from retarget.capsule_fit import distance_outside, fit_capsules, hull_surface
 from retarget.collision import APPROACH_RATE, NEAR_M, Collision, nearest_points
+from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
 from retarget.geometry import measure
 from retarget.pipeline import retarget
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.robot_model import joint_addresses, robot_spec
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import FPS, INDEX
+
+A, B, C, D = (ca.SX.sym(name, 3) for name in "abcd")
+NEAREST_POINTS = ca.Function("nearest", [A, B, C, D], list(nearest_points(A, B, C, D)))
 
 segments = arrays(np.float64, (4, 3), elements=st.floats(-1, 1, width=32))
 
@@ -78,7 +82,7 @@ def test_more_cells_follow_a_box_more_closely():
 @given(segments)
 def test_nearest_points_are_no_farther_than_any_others(ends):
     a, b, c, d = ends
-    p, q = (point[:, 0] for point in nearest_points(*(end[:, None] for end in ends)))
+    p, q = (np.array(point)[:, 0] for point in NEAREST_POINTS(*ends))
 
     def squared(shares):
         s, t = shares
@@ -98,7 +102,7 @@ def test_jacobian_is_the_derivative_of_the_distances(robot, collision):
     qpos[geometry.qpos_index] = rng.uniform(robot.lower, robot.upper) / 2
     before = collision.distances(qpos)
     approach = collision.approach(qpos, np.inf)
-    near = before < NEAR_M
+    near = before - collision.margins < NEAR_M
     assert near.sum() >= 5
     for dof in range(model.nv):
         velocity = np.zeros(model.nv)
@@ -116,11 +120,19 @@ def test_standing_pose_keeps_its_margins(robot, collision):
 
 def test_limbs_approach_by_a_share_of_the_distance_left(robot, collision):
     standing = measure(robot).standing
-    left = (collision.distances(standing) - collision.margins)[collision.distances(standing) < NEAR_M]
+    left = collision.distances(standing) - collision.margins
+    left = left[left < NEAR_M]
     np.testing.assert_allclose(collision.approach(standing, np.inf).least, -left)
     least = collision.approach(standing, 0.02).least
     assert np.all(least <= 0)
     np.testing.assert_allclose(least, -(1 - np.exp(-APPROACH_RATE * 0.02)) * left)
+
+
+def test_takes_the_nearest_pairs(robot, collision):
+    standing = measure(robot).standing
+    distances = collision.distances(standing) - collision.margins
+    approach = collision.approach(standing, np.inf, 5)
+    np.testing.assert_allclose(np.sort(-approach.least), np.sort(distances)[:5])
 
 
 def crossed_arms(motion: HumanMotion) -> HumanMotion:
