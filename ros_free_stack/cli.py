@@ -1,29 +1,41 @@
 """The `robots` and `doctor` subcommands: what is described, and what this machine has."""
 
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
-from ros_free_stack.console import Command
-from ros_free_stack.robots import ServoMap, load_robot, robot_names
+from ros_free_stack.console import Command, print_table
+from ros_free_stack.robots import RobotDescription, load_robot, robot_files
+
+LIMBS = {"legs": "left_knee", "arms": "left_elbow", "head": "head"}
+"""What a robot has, by a human joint that shows it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RobotsList(Command):
-    """List the robots that are described.
+    """List the robots that are described, here and in your own folder (RFS_ROBOTS, or `robots` where one works).
 
     Example: python launch.py robots list
     """
 
+    menagerie: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """List the robots of MuJoCo Menagerie instead, which `robots add menagerie:NAME` describes."""
+
     def run(self) -> int:
-        robots = [load_robot(name) for name in robot_names()]
-        result = [
-            {"name": r.name, "title": r.title, "joints": len(r.joints), "servos": r.servos.model if r.servos else None}
-            for r in robots
-        ]
-        lines = (f"{r['name']:6s} {r['title']:16s} {r['joints']} joints, servos: {r['servos'] or '-'}" for r in result)
-        self.report({"robots": result}, *lines)
+        if self.menagerie:
+            from ros_free_stack.menagerie import menagerie_names
+
+            names = menagerie_names()
+            self.report({"menagerie": list(names)}, *names)
+            return 0
+        rows = [_row(name, path) for name, path in robot_files().items()]
+        if self.json:
+            self.report({"robots": rows})
+        else:
+            heads = ("name", "title", "joints", "limbs", "mount", "servos", "described in")
+            print_table(heads, [[str(row[key]) for key in row] for row in rows])
         return 0
 
 
@@ -35,42 +47,81 @@ class RobotsShow(Command):
     """
 
     robot: Annotated[str, tyro.conf.Positional]
-    """Name of the robot."""
+    """Robot by name, or its description (.yaml)."""
 
     def run(self) -> int:
         robot = load_robot(self.robot)
-        joints = {
-            name: {
-                "range_rad": [limits.lower, limits.upper],
-                "velocity_rad_s": limits.velocity,
-                "acceleration_rad_s2": limits.acceleration,
-                "effort_n_m": limits.effort,
-                "servo_id": robot.servos.ids.get(name) if robot.servos else None,
-                "servo_model": robot.servos.model_of(name) if robot.servos and name in robot.servos.ids else None,
-            }
-            for name, limits in robot.joints.items()
+        result: dict[str, Any] = {
+            "name": robot.name,
+            "title": robot.title,
+            "description": str(robot.path),
+            "model": str(robot.model_path),
+            "sha256": robot.sha256,
+            "mount": robot.mount,
+            "limits_source": robot.limits_source.strip(),
+            "attachments": {joint: item.body for joint, item in robot.attachments.items()},
+            "soles": {foot: sole.body for foot, sole in robot.soles.items()},
+            "locked": robot.locked,
+            "joints": {name: _joint(robot, name) for name in robot.joints},
         }
-        lines = [f"{robot.title}: {robot.model_path.name}, sha256 {robot.sha256[:12]}", robot.limits_source.strip()]
-        lines += [
-            f"{name:28s} {limits.lower:7.3f} to {limits.upper:6.3f} rad  {limits.velocity:5.2f} rad/s  "
-            f"{limits.effort:5.1f} N m{_servo(robot.servos, name)}"
-            for name, limits in robot.joints.items()
-        ]
-        result: dict[str, Any] = {"name": robot.name, "title": robot.title, "sha256": robot.sha256, "joints": joints}
         if robot.servos is not None:
             settings, safety = asdict(robot.servos.settings), asdict(robot.servos.safety)
             result |= {"baud": robot.servos.baud, "cycle_s": robot.servos.cycle_s}
             result |= {"servo_settings": settings, "servo_safety": safety}
-            lines += [f"servos at {robot.servos.baud} baud, one cycle in {1e3 * robot.servos.cycle_s:g} ms"]
-            lines += [f"servo settings: {_items(settings)}", f"servo safety: {_items(safety)}"]
-        self.report(result, *lines)
+        if self.json:
+            self.report(result)
+        else:
+            self._print(robot)
         return 0
 
+    def _print(self, robot: RobotDescription) -> None:
+        print(f"{robot.title}: {robot.model_path.name}, mount {robot.mount}, sha256 {robot.sha256[:12]}")
+        print(robot.limits_source.strip())
+        servo = robot.servos is not None
+        heads = ("joint", "range, rad", "rad/s", "rad/s2", "N m", *(("servo",) if servo else ()))
+        print_table(heads, [_cells(robot, name) for name in robot.joints])
+        print("human joints: " + ", ".join(f"{joint} {item.body}" for joint, item in robot.attachments.items()))
+        print("soles: " + (", ".join(f"{foot} {sole.body}" for foot, sole in robot.soles.items()) or "none"))
+        if robot.locked:
+            print(f"locked joints: {_items(robot.locked)}")
+        if robot.servos is not None:
+            print(f"servos at {robot.servos.baud} baud, one cycle in {1e3 * robot.servos.cycle_s:g} ms")
+            print(f"servo settings: {_items(asdict(robot.servos.settings))}")
+            print(f"servo safety: {_items(asdict(robot.servos.safety))}")
 
-def _servo(servos: ServoMap | None, joint: str) -> str:
-    if servos is None or joint not in servos.ids:
-        return ""
-    return f"  servo {servos.ids[joint]:3d}, {servos.model_of(joint)}"
+
+def _row(name: str, path: Path) -> dict[str, Any]:
+    robot = load_robot(name)
+    return {
+        "name": name,
+        "title": robot.title,
+        "joints": len(robot.joints),
+        "limbs": " ".join(limb for limb, joint in LIMBS.items() if joint in robot.attachments),
+        "mount": robot.mount,
+        "servos": robot.servos.model if robot.servos else "-",
+        "described_in": "here" if path.is_relative_to(Path(__file__).parent) else str(path),
+    }
+
+
+def _joint(robot: RobotDescription, name: str) -> dict[str, Any]:
+    limits, servos = robot.joints[name], robot.servos
+    return {
+        "range_rad": [limits.lower, limits.upper],
+        "velocity_rad_s": limits.velocity,
+        "acceleration_rad_s2": limits.acceleration,
+        "effort_n_m": limits.effort,
+        "servo_id": servos.ids.get(name) if servos else None,
+        "servo_model": servos.model_of(name) if servos and name in servos.ids else None,
+    }
+
+
+def _cells(robot: RobotDescription, name: str) -> list[str]:
+    limits, servos = robot.joints[name], robot.servos
+    cells = [name, f"{limits.lower:.3f} to {limits.upper:.3f}", f"{limits.velocity:g}", f"{limits.acceleration:g}"]
+    cells.append(f"{limits.effort:g}")
+    if servos is not None:
+        cells.append(f"servo {servos.ids[name]}, {servos.model_of(name)}" if name in servos.ids else "-")
+    return cells
 
 
 def _items(values: dict[str, Any]) -> str:

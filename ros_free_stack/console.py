@@ -2,13 +2,16 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
 import tyro
 
 Item = TypeVar("Item")
+
+WIDE = 200
+"""Columns of a table that goes into a file or a pipe."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +39,19 @@ class Command:
 def say(message: str) -> None:
     """One line for a person, on stderr so that stdout stays clean."""
     print(message, file=sys.stderr, flush=True)
+
+
+def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout: fitted to a terminal, elsewhere as wide as its words."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*heads, box=box.SIMPLE_HEAD, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
+    terminal = sys.stdout.isatty()
+    Console(width=None if terminal else WIDE, highlight=False, markup=False, emoji=False).print(table)
 
 
 def progress(items: Iterable[Item], description: str, total: int | None = None) -> Iterator[Item]:

@@ -9,6 +9,7 @@ from typing import Any, get_args
 import yaml
 
 from ros_free_stack.errors import InvalidFile, UnknownName
+from ros_free_stack.menagerie import menagerie_folder
 from ros_free_stack.messages import Mount
 from ros_free_stack.robots.description import Attachment, Capsule, JointLimits, RobotDescription, Sole
 from ros_free_stack.robots.servos import read_servos
@@ -70,6 +71,8 @@ def _check_support(mount: Mount, soles: dict[str, Sole]) -> None:
 def _model_path(model: dict[str, str], description: Path) -> Path:
     if "package" in model:
         return Path(str(resources.files(model["package"]))) / model["file"]
+    if "menagerie" in model:
+        return menagerie_folder(model["menagerie"]) / model["file"]
     return (description.parent / model["file"]).resolve()
 
 

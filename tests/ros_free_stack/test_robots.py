@@ -11,7 +11,6 @@ import pytest
 import yaml
 
 from ros_free_stack.errors import InvalidFile, UnknownName
-from ros_free_stack.joint_sweep import sweep_joint_ranges
 from ros_free_stack.robot_model import (
     add_floor,
     joint_addresses,
@@ -133,13 +132,6 @@ def test_joint_addresses_follow_names():
     positions, speeds = joint_addresses(model, robot)
     assert [model.joint(int(model.dof_jntid[i])).name for i in speeds] == list(robot.joint_names)
     assert [model.jnt_qposadr[model.joint(n).id] for n in robot.joint_names] == positions.tolist()
-
-
-def test_op3_ranges_lie_inside_the_collision_sweep():
-    robot = load_robot("op3")
-    free = sweep_joint_ranges(robot, step_rad=0.03)
-    assert np.all(robot.lower >= free[:, 0] - 0.03), "a lower limit is beyond the first self-collision"
-    assert np.all(robot.upper <= free[:, 1] + 0.03), "an upper limit is beyond the first self-collision"
 
 
 def test_op3_servo_map():

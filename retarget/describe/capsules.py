@@ -1,4 +1,4 @@
-"""Capsules around the collision shapes of a robot's bodies: how the numbers in the descriptions were found."""
+"""Capsules around the shapes of a robot's bodies: how the numbers in the descriptions were found."""
 
 from itertools import product
 
@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.spatial import ConvexHull
 
+from retarget.describe.shapes import body_geoms, geom_points
 from ros_free_stack.messages import Floats
 from ros_free_stack.robots import Capsule
 
@@ -30,15 +31,15 @@ def fit_capsules(surface: Floats, cells: tuple[int, int, int] = (1, 1, 1)) -> tu
 
 
 def hull_surface(model: mujoco.MjModel, body: int, spacing: float = 0.004) -> Floats:
-    """(N, 3) points on the convex hulls of a body's colliding shapes, in the body's frame, m.
+    """(N, 3) points on the convex hulls of a body's shapes, in the body's frame, m; none where it has no shape.
 
     Args:
         model: compiled with meshes.
         body: body id.
         spacing: largest distance of neighbouring points.
     """
-    geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_contype[g]]
-    points = np.concatenate([_hull_points(_corners(model, geom), spacing) for geom in geoms])
+    hulls = [_hull_points(geom_points(model, geom), spacing) for geom in body_geoms(model, body)]
+    points = np.concatenate([np.zeros((0, 3)), *hulls])
     _, one_per_cube = np.unique(np.round(4 / spacing * points), axis=0, return_index=True)
     return points[one_per_cube]
 
@@ -81,25 +82,6 @@ def _to_segment(points: Floats, start: Floats, end: Floats) -> Floats:
     along = end - start
     share = np.clip((points - start) @ along / max(float(along @ along), 1e-12), 0, 1)
     return np.linalg.norm(points - start - share[:, None] * along, axis=1)
-
-
-def _corners(model: mujoco.MjModel, geom: int) -> Floats:
-    """(N, 3) points whose convex hull is the shape, in the body's frame."""
-    size, kind = model.geom_size[geom], mujoco.mjtGeom(int(model.geom_type[geom]))
-    circle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
-        mesh = model.geom_dataid[geom]
-        first = model.mesh_vertadr[mesh]
-        points = model.mesh_vert[first : first + model.mesh_vertnum[mesh]].astype(float)
-    elif kind in (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE):
-        reach = size if kind == mujoco.mjtGeom.mjGEOM_BOX else np.full(3, size[0])
-        points = np.array(list(product((-1.0, 1.0), repeat=3))) * reach
-    else:
-        ring = np.stack([np.cos(circle), np.sin(circle)], axis=1) * size[0]
-        points = np.concatenate([np.column_stack([ring, np.full(len(ring), z)]) for z in (-size[1], size[1])])
-    rotation = np.zeros(9)
-    mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
-    return points @ rotation.reshape(3, 3).T + model.geom_pos[geom]
 
 
 def _hull_points(corners: Floats, spacing: float) -> Floats:

@@ -1,0 +1,151 @@
+"""Capsules for every body of a robot, left and right mirrored, and the pairs of bodies to keep apart."""
+
+from collections.abc import Callable, Iterable
+from itertools import combinations, product
+
+import mujoco
+import numpy as np
+
+from retarget.collision import nearest_points
+from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
+from retarget.describe.shapes import body_points
+from retarget.describe.tree import Tree
+from ros_free_stack.couplings import joint_couplings, settle
+from ros_free_stack.messages import Floats
+from ros_free_stack.robots import Capsule
+
+LEAST_BODY = 0.01
+"""Bodies smaller than this, in sizes of the robot, collide with nothing that their neighbours do not."""
+SPLIT_ROOM = 0.04
+"""A body is covered by several capsules where one reaches this far beyond its thinner sides, in sizes of the robot."""
+SAMPLES = 1500
+"""Random poses in which pairs are looked at."""
+
+
+def fit_bodies(tree: Tree, progress: Callable[[list[int]], Iterable[int]]) -> dict[int, tuple[Capsule, ...]]:
+    """Capsules of every moving body with a shape; the right limbs' are the mirrored left ones."""
+    bodies = [body for body in tree.bodies if _extent(tree, body) > LEAST_BODY * tree.size]
+    twins = mirrored_bodies(tree)
+    found: dict[int, tuple[Capsule, ...]] = {}
+    for body in progress([body for body in bodies if body not in twins]):
+        found[body] = _cover(hull_surface(tree.model, body, spacing=0.008), SPLIT_ROOM * tree.size)
+    for right, left in twins.items():
+        if left in found:
+            found[right] = tuple(mirrored_capsule(tree, capsule, left, right) for capsule in found[left])
+    return dict(sorted(found.items()))
+
+
+def mirrored_bodies(tree: Tree) -> dict[int, int]:
+    """Body of the right side to its twin on the left, along every pair of limbs."""
+    return {right: left for pair in tree.pairs() for left, right in zip(pair.left, pair.right, strict=True)}
+
+
+def mirrored_point(tree: Tree, point: Floats, left: int, right: int) -> Floats:
+    """A point (3,) of a body on the left as the mirrored one of its twin on the right, each in its body's frame."""
+    plane = tree.position[tree.base, 1]
+    world = (tree.position[left] + tree.rotation[left] @ point) * [1, -1, 1] + [0, 2 * plane, 0]
+    return tree.rotation[right].T @ (world - tree.position[right])
+
+
+def mirrored_capsule(tree: Tree, capsule: Capsule, left: int, right: int) -> Capsule:
+    start, end = (_rounded(mirrored_point(tree, np.array(p), left, right)) for p in (capsule.start, capsule.end))
+    return Capsule(start, end, capsule.radius)
+
+
+def collision_pairs(
+    tree: Tree, capsules: dict[int, tuple[Capsule, ...]], ranges: Floats, standing: Floats, seed: int = 0
+) -> dict[int, tuple[int, ...]]:
+    """Pairs of bodies that meet in some random pose but are apart in the standing one, and are no neighbours.
+
+    A pair counts where its mirror image does: random poses are not symmetric.
+    """
+    carriers = {body: tree.carrier(body) for body in capsules}
+    pairs = [(a, b) for a, b in combinations(capsules, 2) if carriers[a] != carriers[b] and not _neighbours(tree, a, b)]
+    chosen = [(k, a, b) for k, (a, b) in enumerate(pairs) for _ in product(capsules[a], capsules[b])]
+    ends = [(a, c, b, d) for a, b in pairs for c, d in product(capsules[a], capsules[b])]
+    if not ends:
+        return {}
+    least = np.full(len(pairs), np.inf)
+    index = np.array([k for k, _, _ in chosen])
+    rng, data = np.random.default_rng(seed), mujoco.MjData(tree.model)
+    couplings = joint_couplings(tree.model)
+    moving = [joint for body in tree.children if body != tree.base for joint in tree.joints(body)]
+    at = tree.model.jnt_qposadr[moving]
+    room = np.inf
+    for sample in range(SAMPLES):
+        data.qpos[:] = standing
+        if sample:
+            data.qpos[at] = rng.uniform(*ranges[moving].T)
+        settle(tree.model, couplings, data.qpos)
+        mujoco.mj_kinematics(tree.model, data)
+        distances = np.full(len(pairs), np.inf)
+        np.minimum.at(distances, index, _distances(data, ends))
+        if sample:
+            least = np.minimum(least, distances)
+        else:
+            room = distances
+    twins = mirrored_bodies(tree)
+    twins |= {left: right for right, left in twins.items()}
+    meeting = {pairs[k] for k in np.flatnonzero(least < 0)}
+    meeting |= {_sorted(twins.get(a, a), twins.get(b, b)) for a, b in meeting}
+    apart = {pairs[k] for k in np.flatnonzero(room > 0)}
+    table: dict[int, tuple[int, ...]] = {}
+    for first, second in sorted(meeting & apart):
+        table[first] = (*table.get(first, ()), second)
+    return table
+
+
+def _sorted(first: int, second: int) -> tuple[int, int]:
+    return (first, second) if first < second else (second, first)
+
+
+def _neighbours(tree: Tree, first: int, second: int) -> bool:
+    """Whether two bodies are within two joints of each other on one chain: their ranges keep them apart."""
+    a, b = tree.carrier(first), tree.carrier(second)
+    return b in _above(tree, a)[:3] or a in _above(tree, b)[:3]
+
+
+def _above(tree: Tree, body: int) -> list[int]:
+    """A moving body and those it hangs from, nearest first."""
+    chain = [body]
+    while chain[-1] != tree.base:
+        chain.append(tree.carrier(int(tree.model.body_parentid[chain[-1]])))
+    return chain
+
+
+def _distances(data: mujoco.MjData, ends: list[tuple[int, Capsule, int, Capsule]]) -> Floats:
+    def world(bodies: list[int], points: list[tuple[float, float, float]]) -> Floats:
+        matrices = data.xmat[bodies].reshape(-1, 3, 3)
+        return (np.einsum("nij,nj->ni", matrices, np.array(points)) + data.xpos[bodies]).T
+
+    first, second = [a for a, _, _, _ in ends], [b for _, _, b, _ in ends]
+    a, b = world(first, [c.start for _, c, _, _ in ends]), world(first, [c.end for _, c, _, _ in ends])
+    c, d = world(second, [e.start for *_, e in ends]), world(second, [e.end for *_, e in ends])
+    radii = np.array([one.radius + other.radius for _, one, _, other in ends])
+    nearest, other = nearest_points(a, b, c, d)
+    return np.linalg.norm(nearest - other, axis=0) - radii
+
+
+def _cover(surface: Floats, room: float) -> tuple[Capsule, ...]:
+    """One capsule, or two or four where one would be wider than the body by more than `room` m."""
+    one = fit_capsules(surface)
+    thin, middle, long = np.sort(np.ptp(surface, axis=0))
+    if one[0].radius - thin / 2 < room:
+        return one
+    order = np.argsort(np.ptp(surface, axis=0))
+    cells = np.ones(3, dtype=int)
+    cells[order[1]] = 2
+    if long < 1.5 * middle:
+        cells[order[2]] = 2
+    few = fit_capsules(surface, (int(cells[0]), int(cells[1]), int(cells[2])))
+    return few if few and distance_outside(surface, few).max() < 1e-3 else one
+
+
+def _extent(tree: Tree, body: int) -> float:
+    points = body_points(tree.model, body)
+    return float(np.ptp(points, axis=0).max()) if len(points) > 3 else 0.0
+
+
+def _rounded(point: Floats) -> tuple[float, float, float]:
+    x, y, z = (round(float(value), 4) + 0.0 for value in point)
+    return x, y, z
