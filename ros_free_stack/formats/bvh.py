@@ -1,4 +1,8 @@
-"""Biovision hierarchies (BVH)."""
+"""Biovision hierarchies (BVH).
+
+Rotations apply from left to right in the order of the channels; position channels stand in place of the offset, as
+the programs that write such files (MotionBuilder, Blender) mean them.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.files import write_text
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +83,7 @@ def positions(bvh: Bvh) -> Floats:
         turning = [k for k, channel in enumerate(joint.channels) if channel.endswith("rotation")]
         for k, channel in enumerate(joint.channels):
             if k not in turning:
-                offset[:, "XYZ".index(channel[0])] += values[:, k]
+                offset[:, "XYZ".index(channel[0])] = values[:, k]
         turn = np.broadcast_to(np.eye(3), (frames, 3, 3))
         if turning:
             order = "".join(joint.channels[k][0] for k in turning)
@@ -91,6 +96,29 @@ def positions(bvh: Bvh) -> Floats:
         points[:, i] = points[:, joint.parent] + (base @ offset[..., None])[..., 0]
         turns.append(base @ turn)
     return points
+
+
+def write_bvh(path: Path, bvh: Bvh) -> None:
+    """Write a file, whole or not at all; the joints must be in depth-first order."""
+    lines = ["HIERARCHY"]
+    open_joints: list[int] = []
+    for i, joint in enumerate(bvh.joints):
+        while open_joints and open_joints[-1] != joint.parent:
+            open_joints.pop()
+            lines.append("\t" * len(open_joints) + "}")
+        indent = "\t" * len(open_joints)
+        title = f"{'JOINT' if open_joints else 'ROOT'} {joint.name}" if joint.channels else "End Site"
+        lines += [indent + title, indent + "{", f"{indent}\tOFFSET {_numbers(joint.offset)}"]
+        if joint.channels:
+            lines.append(f"{indent}\tCHANNELS {len(joint.channels)} {' '.join(joint.channels)}")
+        open_joints.append(i)
+    lines += ["\t" * k + "}" for k in reversed(range(len(open_joints)))]
+    lines += ["MOTION", f"Frames: {len(bvh.values)}", f"Frame Time: {1 / bvh.fps:.9f}"]
+    write_text(path, "\n".join([*lines, *map(_numbers, bvh.values)]) + "\n")
+
+
+def _numbers(values: Floats) -> str:
+    return " ".join(f"{value:.6f}" for value in values)
 
 
 def _header(path: Path, lines: list[str], i: int, key: str) -> float:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.formats import asf_amc, bvh, skeleton_map
+from ros_free_stack.formats.families import CMU_LEAD
 from ros_free_stack.formats.frames import from_y_up, put_on_floor
 from ros_free_stack.skeleton import FPS
 
@@ -22,9 +23,6 @@ Floats = NDArray[np.float64]
 
 STRIDE = 6
 """Every sixth frame of CMU's 120 a second, as HumanML3D takes them."""
-
-LEAD = 7
-"""Frames at the start of a BVH file that were not captured: a T-pose, and a smoothed way from it."""
 
 DAMAGED = frozenset({"09_10"})
 """Takes without a usable file: the conversion lost the height and the turning of the root."""
@@ -126,10 +124,10 @@ def _read_bvh(path: Path) -> Floats:
     data = bvh.read_bvh(path)
     if round(data.fps) != round(STRIDE * FPS):
         raise InvalidFile(path, f"{data.fps:.1f} frames a second, CMU's recordings have {STRIDE * FPS:.0f}")
-    if len(data.values) <= LEAD:
-        raise InvalidFile(path, f"holds {len(data.values)} frames, the first {LEAD} of which are not captured")
+    if len(data.values) <= CMU_LEAD:
+        raise InvalidFile(path, f"holds {len(data.values)} frames, the first {CMU_LEAD} of which are not captured")
     weights, metres = (skeleton_map.DAZ, CENTIMETRE) if "hip" in data.names else (skeleton_map.SUBJECT_131, ASF_UNIT)
-    points = bvh.positions(replace(data, values=data.values[LEAD::STRIDE]))
+    points = bvh.positions(replace(data, values=data.values[CMU_LEAD::STRIDE]))
     return _select(path, data.names, points * metres, weights)
 
 

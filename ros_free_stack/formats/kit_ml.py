@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.formats.features import KIT
-from ros_free_stack.formats.frames import put_on_floor, resample
+from ros_free_stack.formats.frames import face_forward, put_on_floor, resample
 from ros_free_stack.formats.humanml3d import PublishedDataset, open_published
 from ros_free_stack.formats.skeleton_map import KIT_ML, select
 from ros_free_stack.skeleton import FPS
@@ -45,11 +45,11 @@ def read_joints(dataset: PublishedDataset, clip: str) -> Floats:
     if not 200 < height < 3000:
         path = dataset.folder / "new_joints" / f"{clip}.npy"
         raise InvalidFile(path, f"the body is {height:.3g} units tall, expected a person in mm")
-    joints = select(KIT.joints, MILLIMETRE * _face_forward(points), KIT_ML)
+    joints = select(KIT.joints, MILLIMETRE * _upright(points), KIT_ML)
     return put_on_floor(resample(joints, fps=KIT_FPS, to=FPS))
 
 
-def _face_forward(points: Floats) -> Floats:
+def _upright(points: Floats) -> Floats:
     """Reflected where left and right do not fit the toes; moved and turned to start at the origin facing x."""
     place = {name: i for i, name in enumerate(KIT.joints)}
     left = points[:, place["LH"]] - points[:, place["RH"]]
@@ -57,10 +57,4 @@ def _face_forward(points: Floats) -> Floats:
     toes = (points[:, feet] - points[:, ankles]).sum(axis=1)
     if np.sum(toes[:, 0] * left[:, 1] - toes[:, 1] * left[:, 0]) < 0:
         points = points * (1, -1, 1)
-    first = points[0]
-    x, y = (first[place["LH"]] - first[place["RH"]] + first[place["LS"]] - first[place["RS"]])[:2]
-    length = np.hypot(x, y)
-    # The line from right to left becomes y, whatever it was.
-    cos, sin = (y / length, x / length) if length > 0 else (1.0, 0.0)
-    turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    return (points - first[0] * (1, 1, 0)) @ turn.T
+    return face_forward(points, left=[place["LH"], place["LS"]], right=[place["RH"], place["RS"]])

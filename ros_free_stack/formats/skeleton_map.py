@@ -21,7 +21,7 @@ class UnknownSkeleton(StackError):
     """The joints of a file belong to no skeleton that the readers know."""
 
 
-def _weights(**sources: str | Mapping[str, float]) -> Weights:
+def weights(**sources: str | Mapping[str, float]) -> Weights:
     """Expand `joint="name"` to a single weight, and `left_x`/`right_x` joints from `x` with `{s}` in the name."""
     table: dict[str, Mapping[str, float]] = {}
     for joint, source in sources.items():
@@ -30,12 +30,12 @@ def _weights(**sources: str | Mapping[str, float]) -> Weights:
             table[joint] = blend
             continue
         for side in ("left", "right"):
-            forms = {"s": side[0], "S": side[0].upper(), "side": side.capitalize()}
+            forms = {"s": side[0], "S": side[0].upper(), "side": side.capitalize(), "lower": side}
             table[f"{side}_{joint}"] = {name.format(**forms): weight for name, weight in blend.items()}
     return table
 
 
-ASF: Final = _weights(
+ASF: Final = weights(
     pelvis="root",
     spine1="lowerback",
     spine2="upperback",
@@ -54,7 +54,7 @@ ASF: Final = _weights(
 """CMU's ASF skeleton, by the bone that ends at the joint. The bone `wrist` continues `radius` in a straight line
 (it only twists) and is always half as long; 0.6 of it gives the forearm a human length."""
 
-DAZ: Final = _weights(
+DAZ: Final = weights(
     pelvis="hip",
     spine1="abdomen",
     spine2={"abdomen": 0.5, "chest": 0.5},
@@ -72,7 +72,7 @@ DAZ: Final = _weights(
 )
 """The DAZ-friendly BVH conversion of the CMU archive, one figure for all subjects, in cm."""
 
-SUBJECT_131: Final = _weights(
+SUBJECT_131: Final = weights(
     pelvis="Hips",
     spine1="Chest",
     spine2={"Chest": 0.5, "Chest2": 0.5},
@@ -92,7 +92,7 @@ SUBJECT_131: Final = _weights(
 bone of the thorax; the forearm is lengthened as above."""
 
 
-KIT_ML: Final = _weights(
+KIT_ML: Final = weights(
     pelvis="root",
     spine1="BP",
     spine2={"BP": 0.5, "BT": 0.5},

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros_free_stack.errors import InvalidFile
-from ros_free_stack.formats.bvh import positions, read_bvh
+from ros_free_stack.formats.bvh import Bvh, Joint, positions, read_bvh, write_bvh
 
 BVH = """HIERARCHY
 ROOT hip
@@ -114,3 +114,52 @@ def damaged(text: str, data: st.DataObject) -> str:
             st.sampled_from(["", f"{word} {word}", f"{word}\n{word}", "x", "0", "nan", "1e999", "}", "Xrotation"])
         )
     return "".join(words)
+
+
+def test_position_channels_stand_in_place_of_the_offset(tmp_path: Path) -> None:
+    moves = "Xposition Yposition Zposition"
+    text = BVH.replace("OFFSET 0 0 0", "OFFSET 7 8 9").replace(
+        "CHANNELS 3 Zrotation Xrotation Yrotation\n    End Site\n    {\n      OFFSET 0 -30 0",
+        f"CHANNELS 6 {moves} Zrotation Xrotation Yrotation\n    End Site\n    {{\n      OFFSET 0 -30 0",
+    )
+    text = re.sub(r"^(0|1) 90 0 0 0 0 0", r"\1 90 0 0 0 0 1 -35 2 0", text, flags=re.MULTILINE)
+    text = text.replace("1 90 0 0 90 0 0", "1 90 0 0 90 0 1 -35 2 0")
+    data = read_bvh(written(tmp_path, text))
+    np.testing.assert_allclose(positions(data)[0, :2], [[0, 90, 0], [1, 55, 2]], atol=1e-9)
+
+
+@st.composite
+def trees(draw: st.DrawFn) -> Bvh:
+    """Random trees in depth-first order, random channels in random order, random end sites."""
+    joints: list[Joint] = []
+    vector = st.lists(st.integers(-5000, 5000).map(lambda value: value / 100), min_size=3, max_size=3)
+
+    def grow(parent: int, depth: int) -> None:
+        place = len(joints)
+        kinds = draw(st.sampled_from([("rotation",), ("position", "rotation")]))
+        channels = draw(st.permutations([f"{axis}{kind}" for kind in kinds for axis in "XYZ"]))
+        joints.append(Joint(f"joint{place}", parent, np.array(draw(vector)), tuple(channels)))
+        for _ in range(draw(st.integers(0, 3 if depth < 3 else 0))):
+            grow(place, depth + 1)
+        if len(joints) == place + 1 and draw(st.booleans()):
+            joints.append(Joint(f"joint{place}_end", place, np.array(draw(vector)), ()))
+
+    grow(-1, 0)
+    width = sum(len(joint.channels) for joint in joints)
+    rows = draw(st.integers(1, 4))
+    values = np.random.default_rng(draw(st.integers(0, 10**6))).uniform(-180, 180, (rows, width)).round(6)
+    return Bvh(tuple(joints), values, draw(st.sampled_from([20.0, 30.0, 59.94, 120.0])))
+
+
+@given(trees())
+def test_what_is_written_reads_the_same(tmp_path_factory: pytest.TempPathFactory, bvh: Bvh) -> None:
+    path = tmp_path_factory.mktemp("bvh") / "a.bvh"
+    write_bvh(path, bvh)
+    back = read_bvh(path)
+    assert back.names == bvh.names
+    for old, new in zip(bvh.joints, back.joints, strict=True):
+        assert (old.parent, old.channels) == (new.parent, new.channels)
+        np.testing.assert_allclose(new.offset, old.offset)
+    np.testing.assert_array_equal(back.values, bvh.values)
+    assert back.fps == pytest.approx(bvh.fps, rel=1e-6)
+    np.testing.assert_allclose(positions(back), positions(bvh), atol=1e-9)

@@ -1,0 +1,137 @@
+"""Skeletons that are known by their joints' names, whatever file they come in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from ros_free_stack.formats.skeleton_map import ASF, DAZ, SUBJECT_131, Weights, weights
+from ros_free_stack.skeleton import JOINT_NAMES
+
+
+@dataclass(frozen=True)
+class Family:
+    """A known skeleton.
+
+    Attributes:
+        name: for people.
+        weights: where HumanML3D's 22 joints lie between the skeleton's own.
+        marks: further joints that only this skeleton has.
+        lead: frames at the start of its files that were not captured (a T-pose and a way from it).
+        placed: whether its files stand on the floor, at the origin and facing forward already.
+    """
+
+    name: str
+    weights: Weights
+    marks: tuple[str, ...] = ()
+    lead: int = 0
+    placed: bool = False
+
+    def fits(self, names: Sequence[str]) -> bool:
+        """Whether every joint that it needs is among the names."""
+        needed = {name for blend in self.weights.values() for name in blend}
+        return needed.union(self.marks) <= set(names)
+
+
+_MOTIONBUILDER_ARMS: Final = {
+    "collar": "{side}Shoulder",
+    "shoulder": "{side}Arm",
+    "elbow": "{side}ForeArm",
+    "wrist": "{side}Hand",
+}
+_MOTIONBUILDER_LEGS: Final = {"hip": "{side}UpLeg", "knee": "{side}Leg", "ankle": "{side}Foot"}
+_MOTIONBUILDER_TRUNK: Final = {
+    "pelvis": "Hips",
+    "spine1": "Spine",
+    "spine2": "Spine1",
+    "spine3": "Spine2",
+    "neck": "Neck",
+    "head": "Head",
+}
+
+CMU_LEAD: Final = 7
+"""Frames at the start of CMU's BVH files that were not captured: a T-pose, and a smoothed way from it."""
+
+FAMILIES: Final = (
+    Family("this project's own skeleton", weights(**{name: name for name in JOINT_NAMES}), placed=True),
+    Family(
+        "LaFAN1",
+        weights(**_MOTIONBUILDER_TRUNK, **_MOTIONBUILDER_ARMS, **_MOTIONBUILDER_LEGS, foot="{side}Toe"),
+    ),
+    Family(
+        "Mixamo",
+        weights(**_MOTIONBUILDER_TRUNK, **_MOTIONBUILDER_ARMS, **_MOTIONBUILDER_LEGS, foot="{side}ToeBase"),
+    ),
+    Family(
+        "SOMA (BONES-SEED, Kimodo)",
+        weights(
+            pelvis="Hips",
+            spine1="Spine1",
+            spine2="Spine2",
+            spine3="Chest",
+            neck="Neck1",
+            head="Head",
+            hip="{side}Leg",
+            knee="{side}Shin",
+            ankle="{side}Foot",
+            foot="{side}ToeBase",
+            **_MOTIONBUILDER_ARMS,
+        ),
+    ),
+    Family(
+        "Xsens",
+        weights(
+            pelvis="Hips",
+            spine1="Chest",
+            spine2={"Chest2": 0.5, "Chest3": 0.5},
+            spine3="Chest3",
+            neck="Neck",
+            head="Head",
+            hip="{side}Hip",
+            knee="{side}Knee",
+            ankle="{side}Ankle",
+            foot="{side}Toe",
+            collar="{side}Collar",
+            shoulder="{side}Shoulder",
+            elbow="{side}Elbow",
+            wrist="{side}Wrist",
+        ),
+        marks=("Chest4",),
+    ),
+    Family(
+        "CMU, for MotionBuilder",
+        weights(
+            pelvis="Hips",
+            spine1="Spine",
+            spine2={"Spine": 0.5, "Spine1": 0.5},
+            spine3="Spine1",
+            neck="Head",
+            head="Head_end",
+            foot="{side}ToeBase",
+            **_MOTIONBUILDER_LEGS,
+            collar={"Spine1": 0.55, "{side}Arm": 0.45},
+            shoulder="{side}Arm",
+            elbow="{side}ForeArm",
+            wrist={"{side}ForeArm": -0.3, "{side}Hand": 1.3},
+        ),
+        marks=("LowerBack", "LHipJoint"),
+        lead=CMU_LEAD,
+    ),
+    Family("CMU, for DAZ", DAZ, lead=CMU_LEAD),
+    Family("CMU, subject 131", SUBJECT_131, marks=("LHipJoint",), lead=CMU_LEAD),
+    Family("CMU, ASF/AMC", ASF),
+)
+"""Every known skeleton; the first that fits counts."""
+
+
+def find_family(names: Sequence[str]) -> Family | None:
+    """The first family that fits, if any."""
+    return next((family for family in FAMILIES if family.fits(names)), None)
+
+
+def bare(names: Sequence[str]) -> tuple[str, ...]:
+    """Joint names without the prefix that some programs put before all of them (`mixamorig:Hips`, `Model_Hips`)."""
+    first, last = min(names), max(names)  # what these two share, all share
+    differs = (i for i, pair in enumerate(zip(first, last, strict=False)) if pair[0] != pair[1])
+    shared = next(differs, len(first))
+    end = max(first.rfind(mark, 0, shared) for mark in ":_|") + 1
+    return tuple(name[end:] for name in names)
