@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ros_free_stack.errors import InvalidFile, UnknownName
-from ros_free_stack.formats.features import HUMANML3D, Skeleton
-from ros_free_stack.formats.frames import from_y_up
+from ros_free_stack.formats.features import HUMANML3D, Skeleton, decode
+from ros_free_stack.formats.frames import from_y_up, stand
+from ros_free_stack.formats.source import Source, SourceOptions, human_source
+from ros_free_stack.skeleton import FPS
 
 Floats = NDArray[np.float64]
 
@@ -86,6 +88,18 @@ def open_published(folder: Path, skeleton: Skeleton) -> PublishedDataset:
         if not (folder / part).exists():
             raise InvalidFile(folder / part, "missing; expected new_joint_vecs/, texts/, train.txt and more")
     return PublishedDataset(folder, skeleton)
+
+
+def read_joints(path: Path, options: SourceOptions) -> Source:
+    """The human motion in a `.npy` of (T, 22, 3) joints: m, y up, z forward, 20 fps."""
+    points = _array(path, (None, len(HUMANML3D.joints), 3))
+    return human_source(path, stand(from_y_up(points)), options.source_fps or FPS)
+
+
+def read_features(path: Path, options: SourceOptions) -> Source:
+    """The human motion in a `.npy` of (T, 263) features that are not standardised, 20 fps."""
+    rows = _array(path, (None, HUMANML3D.width))
+    return human_source(path, decode(rows), options.source_fps or FPS)
 
 
 def _lines(path: Path) -> list[str]:
