@@ -1,0 +1,133 @@
+import os
+import pickle
+import subprocess
+import zlib
+from collections import OrderedDict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.safe_pickle import UnsafePickle, read_pickle
+
+
+class Calls:
+    """Pickles as a call of a function."""
+
+    def __init__(self, function, *arguments) -> None:
+        self.call = (function, arguments)
+
+    def __reduce__(self):
+        return self.call
+
+
+def same(first: object, second: object) -> None:
+    np.testing.assert_equal(first, second)
+
+
+plain = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text()
+    | st.binary()
+    | arrays.arrays(
+        arrays.floating_dtypes() | arrays.integer_dtypes() | arrays.boolean_dtypes(),
+        arrays.array_shapes(min_dims=0, min_side=0, max_side=4),
+    ),
+    lambda items: st.lists(items, max_size=4) | st.dictionaries(st.text(max_size=5), items, max_size=4),
+    max_leaves=8,
+)
+
+
+@given(plain, st.integers(0, 5))
+def test_plain_data_of_every_protocol(tmp_path_factory: pytest.TempPathFactory, data: object, protocol: int) -> None:
+    path = tmp_path_factory.mktemp("pickle") / "a.pkl"
+    path.write_bytes(pickle.dumps(data, protocol=protocol))
+    same(read_pickle(path), data)
+
+
+def test_scalars_ordered_dictionaries_and_fortran_order(tmp_path: Path) -> None:
+    data = OrderedDict(fps=np.float32(30), name=np.str_("a"), grid=np.asfortranarray(np.arange(6.0).reshape(2, 3)))
+    (tmp_path / "a.pkl").write_bytes(pickle.dumps(data))
+    same(read_pickle(tmp_path / "a.pkl"), dict(data))
+
+
+@pytest.mark.parametrize("protocol", [0, 2, 4])
+def test_nothing_that_a_pickle_names_is_run(tmp_path: Path, protocol: int) -> None:
+    mark = tmp_path / "ran"
+    evil = {
+        "posix.system": Calls(os.system, f"touch {mark}"),
+        "builtins.eval": Calls(eval, f"open({str(mark)!r}, 'w')"),
+        "subprocess.run": Calls(subprocess.run, ["touch", str(mark)]),
+        "_io.open": Calls(open, str(mark), "w"),
+        "numpy.load": Calls(np.load, str(mark)),
+        "builtins.getattr": Calls(getattr, "a", "upper"),
+    }
+    for name, call in evil.items():
+        path = tmp_path / "evil.pkl"
+        path.write_bytes(pickle.dumps({"fps": 30, "root_pos": [call]}, protocol=protocol))
+        with pytest.raises(UnsafePickle, match=r"names .*, which is no plain data; refused") as error:
+            read_pickle(path)
+        assert name.rpartition(".")[2] in str(error.value)
+        assert not mark.exists()
+    path.write_bytes(pickle.dumps(evil["posix.system"], protocol=protocol))
+    pickle.loads(path.read_bytes())
+    assert mark.exists()  # the usual reader does run them
+
+
+def test_a_call_hidden_in_an_array_is_refused_too(tmp_path: Path) -> None:
+    mark = tmp_path / "ran"
+    hidden = np.array([Calls(os.system, f"touch {mark}")], dtype=object)
+    (tmp_path / "a.pkl").write_bytes(zlib.compress(pickle.dumps({"dof": hidden})))
+    with pytest.raises(UnsafePickle):
+        read_pickle(tmp_path / "a.pkl")
+    assert not mark.exists()
+
+
+def test_a_class_of_torch_is_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "a.pkl").write_bytes(b"ctorch._utils\n_rebuild_tensor_v2\n.")
+    with pytest.raises(UnsafePickle, match=r"names torch\._utils\._rebuild_tensor_v2"):
+        read_pickle(tmp_path / "a.pkl")
+
+
+def test_persistent_objects_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.pkl").write_bytes(b"Psomewhere\n.")
+    with pytest.raises(UnsafePickle, match="outside of the file"):
+        read_pickle(tmp_path / "a.pkl")
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_what_joblib_writes(tmp_path: Path, compress: bool) -> None:
+    joblib = pytest.importorskip("joblib")
+    rng = np.random.default_rng(0)
+    clip = {
+        "pose_aa": rng.normal(size=(5, 72)),
+        "dof": np.asfortranarray(rng.normal(size=(5, 3))).astype("f4"),
+        "fps": 30,
+    }
+    data = {"0-walk": clip | {"gender": "neutral", "empty": np.zeros((0, 3)), "list": [np.arange(3)]}}
+    joblib.dump(data, tmp_path / "a.pkl", compress=compress)
+    same(read_pickle(tmp_path / "a.pkl"), data)
+    whole = (tmp_path / "a.pkl").read_bytes()
+    (tmp_path / "a.pkl").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InvalidFile, match="not a readable pickle"):
+        read_pickle(tmp_path / "a.pkl")
+
+
+@given(st.binary(max_size=300))
+def test_garbage_is_one_clear_error(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    path = tmp_path_factory.mktemp("pickle") / "a.pkl"
+    path.write_bytes(b"\x80\x04" + data[:-1] + b"\xff")
+    with pytest.raises(InvalidFile):
+        read_pickle(path)
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        read_pickle(tmp_path / "none.pkl")
