@@ -2,6 +2,7 @@
 """Command a humanoid by text: the composition root and command line, the only file that knows every stage."""
 
 import importlib
+import inspect
 import os
 import signal
 import sys
@@ -36,6 +37,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("launch:Run", "a sentence to human motion, robot trajectory, verdict, pictures, servos"),
     "generate": ("generator.cli:Generate", "a sentence to human motion"),
     "retarget": ("retarget.cli:Retarget", "a human motion to a robot's trajectory"),
+    "convert": ("ros_free_stack.formats.cli:Convert", "a motion file to another format"),
     "validate": ("sim.cli:Validate", "judge a trajectory in MuJoCo"),
     "render": ("sim.cli:Render", "draw a trajectory as a video"),
     "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
@@ -431,7 +433,7 @@ def parse(name: str, arguments: list[str]) -> Command:
     """The subcommand's dataclass, filled from its arguments; imports only the stage that it belongs to."""
     module, class_name = COMMANDS[name][0].split(":")
     command_class: type[Command] = getattr(importlib.import_module(module), class_name)
-    return tyro.cli(command_class, args=arguments, prog=f"launch.py {name}")
+    return tyro.cli(command_class, args=arguments, prog=f"launch.py {name}", description=inspect.getdoc(command_class))
 
 
 def main(arguments: list[str]) -> int:

@@ -6,15 +6,23 @@ from typing import Annotated
 
 import tyro
 
-from ros_free_stack.console import Command, say
+from ros_free_stack.console import say
+from ros_free_stack.formats.cli import ReadsMotion
 
 
 @dataclass(frozen=True, kw_only=True)
-class Retarget(Command):
-    """Turn a human motion into a robot's joint trajectory."""
+class Retarget(ReadsMotion):
+    """Turn a human motion into a robot's joint trajectory.
 
-    motion: Annotated[Path, tyro.conf.Positional]
-    """Human motion (.npz, as written by `generate`)."""
+    Examples:
+        python launch.py retarget out/human_motion.npz --robot g1 --out out/trajectory.npz
+        python launch.py retarget walk1_subject1.bvh --robot g1
+        python launch.py retarget take.bvh --mapping mapping.yaml --units cm
+        python launch.py retarget Walk_B15_stageii.npz --skeleton SMPLX_NEUTRAL.npz
+    """
+
+    motion: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
+    """Human motion: .npz (as `generate` writes it, or AMASS), .bvh, .amc, .npy (HumanML3D), .txt (DeepMimic), .pkl."""
     robot: str = "op3"
     """Robot by name."""
     out: Path = Path("trajectory.npz")
@@ -28,13 +36,16 @@ class Retarget(Command):
         """Retarget, write both files, and say what could not be followed."""
         from retarget.pipeline import retarget
         from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import load_motion, make_folder, save_trajectory, save_trajectory_csv
+        from ros_free_stack.files import make_folder, save_trajectory, save_trajectory_csv
+        from ros_free_stack.formats.registry import load_human
         from ros_free_stack.robots import load_robot
 
         if self.out.suffix != ".npz":
             raise InvalidOption("--out", f"expected a name that ends in .npz, found {str(self.out)!r}")
         robot = load_robot(self.robot)
-        motion = load_motion(self.motion)
+        motion, notes = load_human(self.motion, self.source_options(), self.format)
+        for note in notes:
+            say(note)
         make_folder(self.out.parent)
         result = retarget(motion, robot, fps=self.fps, balance=self.balance)
         table = self.out.with_suffix(".csv")

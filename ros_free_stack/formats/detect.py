@@ -1,0 +1,101 @@
+"""Which format a motion file has, by its suffix and content."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, cast
+
+import numpy as np
+
+from ros_free_stack.errors import InvalidFile, InvalidOption
+from ros_free_stack.formats.source import SourceOptions
+
+
+def detect(path: Path, options: SourceOptions) -> str:
+    """The name of a file's format.
+
+    Raises:
+        InvalidFile: it is none that can be read; the message lists those.
+        InvalidOption: a csv without a named order of quaternions.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _DETECTORS:
+        raise _unknown(path, f"suffix {suffix!r}")
+    return _DETECTORS[suffix](path, options)
+
+
+def _unknown(path: Path, seen: str) -> InvalidFile:
+    from ros_free_stack.formats.registry import FORMATS, READABLE
+
+    lines = "".join(f"\n  {name:20s}{FORMATS[name].suffix:6s}{FORMATS[name].title}" for name in READABLE)
+    return InvalidFile(path, f"of no known format ({seen}); name one with --format:{lines}")
+
+
+def _npz(path: Path, options: SourceOptions) -> str:
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            names = set(archive.files)
+    except Exception as error:  # damaged archives raise a dozen kinds of error
+        raise InvalidFile(path, f"not a readable .npz ({error})") from None
+    if "kind" in names:
+        return "native"
+    if "poses" in names or {"root_orient", "pose_body"} <= names:
+        return "amass"
+    raise _unknown(path, f"holds {', '.join(sorted(names)) or 'nothing'}")
+
+
+def _npy(path: Path, options: SourceOptions) -> str:
+    try:
+        shape = np.load(path, allow_pickle=False, mmap_mode="r").shape
+    except (ValueError, OSError, EOFError) as error:
+        raise InvalidFile(path, f"not a readable .npy ({error})") from None
+    if shape[1:] == (22, 3):
+        return "humanml3d-joints"
+    if shape[1:] == (263,):
+        return "humanml3d-features"
+    raise _unknown(path, f"an array {shape}; joints are (T, 22, 3), features (T, 263)")
+
+
+def _pkl(path: Path, options: SourceOptions) -> str:
+    from ros_free_stack.formats.gmr import KEYS
+    from ros_free_stack.formats.phc import is_clip
+    from ros_free_stack.formats.safe_pickle import read_pickle
+
+    data = read_pickle(path)
+    entries = cast(dict[Any, Any], data) if isinstance(data, dict) else {}
+    if entries.keys() >= set(KEYS):
+        return "gmr"
+    if any(is_clip(clip) for clip in entries.values()):
+        return "phc"
+    raise _unknown(path, "a pickle of neither GMR nor PHC")
+
+
+def _csv(path: Path, options: SourceOptions) -> str:
+    if options.quaternion is None:
+        raise InvalidOption(
+            "--quaternion",
+            f"name the order of quaternions in {path}: xyzw (as Unitree writes them) or wxyz (Kimodo, MuJoCo); "
+            "nothing in a csv tells them apart",
+        )
+    return "unitree-csv" if options.quaternion == "xyzw" else "kimodo-csv"
+
+
+def _text(path: Path, options: SourceOptions) -> str:
+    try:
+        if "Frames" in json.loads(path.read_text(encoding="utf-8")):
+            return "deepmimic"
+    except (OSError, ValueError, TypeError):
+        pass
+    raise _unknown(path, "no JSON object with 'Frames'")
+
+
+_DETECTORS: Final[dict[str, Callable[[Path, SourceOptions], str]]] = {
+    ".npz": _npz,
+    ".npy": _npy,
+    ".bvh": lambda path, options: "bvh",
+    ".amc": lambda path, options: "asf-amc",
+    ".pkl": _pkl,
+    ".csv": _csv,
+    ".txt": _text,
+    ".json": _text,
+}
