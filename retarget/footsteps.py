@@ -30,6 +30,9 @@ LIFT_OFF, LANDED = 0.06, 0.88
 """Phases of a swing between which the foot travels over the floor: it rises first and comes down last."""
 FADE_S = 0.15
 """Time from a standing foot to one that follows the human's own path."""
+LIFTS = 4
+RISE_S = 0.3
+"""Longest time in which a foot rises to its clearance, and comes down from it."""
 
 
 @dataclass(frozen=True)
@@ -171,18 +174,19 @@ def clean_path(path: FootPath, *, ankle_height: float, clearance: float, corners
         held[stance] = [*np.median(path.ankle[stance, :2], axis=0), ankle_height, np.median(path.yaw[stance])]
     moved = held.copy()
     for start, end in runs(~path.contact):
-        moved[start:end] = _swing(own, held, start, end, FADE_S * fps)
+        moved[start:end] = _swing(own, held, start, end, fps)
     ankle, yaw = moved[:, :3], moved[:, 3]
     frames_away = np.asarray(distance_transform_edt(~path.contact))
     fade = np.clip((frames_away - 2) / 8, 0, 1)
     pitch = gaussian_filter1d(SWING_PITCH * path.pitch * fade, 1.5) * ~path.contact
-    return _lifted(FootPath(ankle, yaw, pitch, path.contact), clearance, corners)
+    return _lifted(FootPath(ankle, yaw, pitch, path.contact), clearance, corners, fps)
 
 
-def _swing(own: Floats, held: Floats, start: int, end: int, fade: float) -> Floats:
+def _swing(own: Floats, held: Floats, start: int, end: int, fps: float) -> Floats:
     """(end - start, D) values from those held before `start` to those held at `end`, as much as possible `own`."""
     if end - start == len(own):
         return own
+    fade = FADE_S * fps
     first, last = max(start - 1, 0), min(end, len(own) - 1)
     step = np.arange(1, end - start + 1)
     share = minimum_jerk((step / (end - start + 1) - LIFT_OFF) / (LANDED - LIFT_OFF))[:, None]
@@ -191,18 +195,28 @@ def _swing(own: Floats, held: Floats, start: int, end: int, fade: float) -> Floa
     landing = held[first] + share * (held[last] - held[first])
     following = own[start:end] + before + share * (after - before)
     away = np.minimum(step if start > 0 else fade, step[::-1] if end < len(own) else fade)
-    free = minimum_jerk(away / fade)[:, None]
+    # A foot goes its own way once it is off the floor.
+    free = (minimum_jerk(away / fade) * np.minimum(1.0, 2 * _rise(end - start, fps)) ** 2)[:, None]
     return landing + free * (following - landing)
 
 
-def _lifted(path: FootPath, clearance: float, corners: Floats) -> FootPath:
+def _rise(count: int, fps: float) -> Floats:
+    """(count,) height of a swinging foot, as a share of its clearance."""
+    step = np.arange(1, count + 1)
+    phase = np.minimum(np.minimum(step, step[::-1]) / min(count + 1, 2 * RISE_S * fps), 0.5)
+    return 16 * (phase * (1 - phase)) ** 2
+
+
+def _lifted(path: FootPath, clearance: float, corners: Floats, fps: float) -> FootPath:
     """Raise swings so that the lowest corner follows at least a smooth bump of height `clearance`."""
     lowest = path.ankle[:, 2] + np.einsum("nij,cj->nci", path.rotation, corners)[..., 2].min(axis=1)
     wanted = np.zeros(len(lowest))
     for start, end in runs(~path.contact):
-        phase = np.arange(1, end - start + 1) / (end - start + 1)
-        wanted[start:end] = clearance * np.minimum(1.0, 16 * (phase * (1 - phase)) ** 2)
-    lift = gaussian_filter1d(np.maximum(wanted - lowest, 0.0), 1.5) * ~path.contact
+        wanted[start:end] = clearance * _rise(end - start, fps)
+    lift = np.zeros(len(lowest))
+    for _ in range(LIFTS):
+        # Smoothing takes the tops off: what is still missing is smoothed and added in turn.
+        lift += gaussian_filter1d(np.maximum(wanted - lowest - lift, 0.0), 1.5) * ~path.contact
     lift = np.maximum(lift, -lowest)
     ankle = path.ankle.copy()
     ankle[:, 2] += lift
