@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -31,6 +31,8 @@ class Retarget(ReadsMotion):
     """Frames a second of the trajectory."""
     balance: bool = True
     """Shift the body so that the robot keeps its balance."""
+    solver: Literal["clip", "frames"] = "clip"
+    """`clip` solves all frames together; `frames` one after the other: quicker, less smooth."""
 
     def run(self) -> int:
         """Retarget, write both files, and say what could not be followed."""
@@ -47,12 +49,14 @@ class Retarget(ReadsMotion):
         for note in notes:
             say(note)
         make_folder(self.out.parent)
-        result = retarget(motion, robot, fps=self.fps, balance=self.balance)
+        result = retarget(motion, robot, fps=self.fps, balance=self.balance, solver=self.solver)
         table = self.out.with_suffix(".csv")
         save_trajectory_csv(table, result.trajectory)
         save_trajectory(self.out, result.trajectory)
         for item in result.report.given_up:
             say(f"given up: {item}")
+        for start, end in result.report.unsolved_s:
+            say(f"no better trajectory was found from {start:.2f} to {end:.2f} s than the one frame by frame")
         trajectory = result.trajectory
         self.report(
             {

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Literal
 
 import numpy as np
 
@@ -15,11 +16,16 @@ from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
 from retarget.targets import Targets, leg_speed, make_targets, stride_share
 from retarget.timeline import plan_timeline
+from retarget.whole_clip import ClipSolver
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
 BALANCE_PASSES = 2
+
+SolverName = Literal["clip", "frames"]
+Unsolved = tuple[tuple[int, int], ...]
+"""Stretches of frames (start, end)."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +39,13 @@ class RetargetResult:
 class Retargeter:
     """A robot made ready once for many motions."""
 
-    def __init__(self, robot: RobotDescription) -> None:
-        """Measure the robot and build its solver.
+    def __init__(self, robot: RobotDescription, solver: SolverName = "clip") -> None:
+        """Measure the robot and build its solvers.
+
+        Args:
+            robot: the robot.
+            solver: `clip` solves all frames together, from where the frame solver's trajectory lies; `frames` stays
+                with that: quicker, less smooth.
 
         Raises:
             UnsupportedModel: the robot's model lacks something that retargeting needs.
@@ -42,7 +53,8 @@ class Retargeter:
         started = perf_counter()
         self.robot = robot
         self._geometry = measure(robot)
-        self._solver = FrameSolver(self._geometry)
+        self._frames = FrameSolver(self._geometry)
+        self._clip = ClipSolver(self._geometry) if solver == "clip" else None
         self.preparation_s = perf_counter() - started
 
     def retarget(self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True) -> RetargetResult:
@@ -55,12 +67,12 @@ class Retargeter:
         targets, stride, slowdown = self._targets(clip, fps)
         times["targets"] = perf_counter() - started
         started = perf_counter()
-        solution = self._solver.solve(targets)
+        solution, unsolved = self._solve(targets)
         times["solve"] = perf_counter() - started
         excess = None
         if balance and not self._geometry.held:
             started = perf_counter()
-            solution, excess = self._balanced(targets, solution)
+            solution, unsolved, excess = self._balanced(targets, solution, unsolved)
             times["balance"] = perf_counter() - started
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
@@ -68,6 +80,7 @@ class Retargeter:
                 self._geometry,
                 targets,
                 solution,
+                unsolved=unsolved,
                 zmp_outside_cm=excess,
                 stride_scale=stride,
                 slowdown=slowdown,
@@ -89,7 +102,18 @@ class Retargeter:
         )
         return make_targets(clip, geometry, plan_timeline(pace, fps), stride), stride, pace.slowdown
 
-    def _balanced(self, targets: Targets, solution: Solution) -> tuple[Solution, dict[str, Spread]]:
+    def _solve(
+        self, targets: Targets, com: Floats | None = None, start: Solution | None = None
+    ) -> tuple[Solution, Unsolved]:
+        """A solution, and the stretches of frames that the whole-clip solver could not improve."""
+        if self._clip is None:
+            return self._frames.solve(targets, com), ()
+        found = self._clip.solve(targets, (start or self._frames.solve(targets, com)).qpos, com)
+        return found.solution, found.unsolved
+
+    def _balanced(
+        self, targets: Targets, solution: Solution, unsolved: Unsolved
+    ) -> tuple[Solution, Unsolved, dict[str, Spread]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons."""
         geometry, fps = self._geometry, targets.fps
         wanted = solution.centre_of_mass[:, :2]
@@ -98,9 +122,9 @@ class Retargeter:
         excess = {"before": _spread_cm(zmp_excess(dynamics.zmp, outer))}
         for _ in range(BALANCE_PASSES):
             com = balanced_com(dynamics, wanted, inner, fps)
-            solution = self._solver.solve(targets.shifted(com - wanted), com)
+            solution, unsolved = self._solve(targets.shifted(com - wanted), com, solution)
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
-        return solution, excess | {"after": _spread_cm(zmp_excess(dynamics.zmp, outer))}
+        return solution, unsolved, excess | {"after": _spread_cm(zmp_excess(dynamics.zmp, outer))}
 
     def _trajectory(self, targets: Targets, solution: Solution) -> RobotTrajectory:
         quaternions = solution.qpos[:, 3:7]
@@ -118,7 +142,12 @@ class Retargeter:
 
 
 def retarget(
-    motion: HumanMotion, robot: RobotDescription, *, fps: float = 50.0, balance: bool = True
+    motion: HumanMotion,
+    robot: RobotDescription,
+    *,
+    fps: float = 50.0,
+    balance: bool = True,
+    solver: SolverName = "clip",
 ) -> RetargetResult:
     """Make a robot's trajectory of a human motion.
 
@@ -131,12 +160,13 @@ def retarget(
         fps: frame rate of the trajectory, Hz.
         balance: shift the body so that the ZMP stays over the feet. Flight (a jump) has no support to keep it in: the
             body then only moves on at constant velocity, and whether the robot lands is for physics to say.
+        solver: see `Retargeter`.
 
     Raises:
         InvalidOption: `fps` is not a positive number.
         UnsupportedModel: the robot's model lacks something that retargeting needs.
     """
-    return Retargeter(robot).retarget(motion, fps=fps, balance=balance)
+    return Retargeter(robot, solver).retarget(motion, fps=fps, balance=balance)
 
 
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:

@@ -49,6 +49,8 @@ class RetargetReport:
         flight_s: time without any foot on the floor; the balance pass leaves it as it is.
         stride_scale: travel over the floor, over that of the human at the robot's size; 1 where nothing was shortened.
         slowdown: time of the motion over the human's; 1 where nothing was slowed down.
+        unsolved_s: stretches (start, end) that the whole-clip solver left as they were before, as it found no better
+            trajectory there; their limits hold all the same.
         zmp_outside_cm: how far the zero moment point leaves the support polygon, (mean, max), before and after
             balancing; None without the balance pass.
         timings_s: seconds of each step.
@@ -61,6 +63,7 @@ class RetargetReport:
     flight_s: float
     stride_scale: float
     slowdown: float
+    unsolved_s: tuple[tuple[float, float], ...] = ()
     zmp_outside_cm: dict[str, Spread] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
 
@@ -83,6 +86,7 @@ def make_report(
     *,
     stride_scale: float,
     slowdown: float,
+    unsolved: tuple[tuple[int, int], ...],
     zmp_outside_cm: dict[str, Spread] | None,
     timings_s: dict[str, float],
 ) -> RetargetReport:
@@ -101,6 +105,7 @@ def make_report(
         flight_s=0.0 if geometry.held else float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
         stride_scale=stride_scale,
         slowdown=slowdown,
+        unsolved_s=tuple((start / targets.fps, end / targets.fps) for start, end in unsolved),
         zmp_outside_cm=zmp_outside_cm,
         timings_s=timings_s,
     )

@@ -1,0 +1,140 @@
+"""A whole clip at once: Gauss-Newton on the trajectory, inside hard limits of every joint.
+
+The trajectory minimises the frames' least-squares costs and its own acceleration (`clip_problem.py`). Each step is one
+quadratic program (`trajectory_qp.py`) and a backtracking search (`filter.py`; Nocedal and Wright 2006, "Numerical
+optimization", chapters 15 and 18). It starts from the frame solver's trajectory. That keeps every joint's limits, these
+are linear in the joints, and so every later trajectory keeps them too, wherever the iteration ends.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from retarget.clip_problem import ClipModel, ClipProblem, Point
+from retarget.differences import Stretch, moved
+from retarget.filter import Filter
+from retarget.geometry import RobotGeometry
+from retarget.limits import JointBounds
+from retarget.solver import PLANTED_M, PLANTED_RAD, Solution
+from retarget.targets import Targets
+from retarget.trajectory_qp import TrajectoryQP
+from retarget.windows import LENGTH, windows
+from ros_free_stack.couplings import joint_couplings, settle
+from ros_free_stack.messages import Bools, Floats
+
+ITERATIONS = 4
+TRUST = 0.3
+"""Largest increment of one iteration, m and rad."""
+SHORTEST_STEP = 0.1
+"""Share of a step below which the search gives up."""
+GAIN = 0.05
+"""Share of the cost that an iteration must gain for another one to follow."""
+TIGHT = 2e-5
+"""Mean violation of a frame, m or rad, that counts as none."""
+AT_LIMIT = 1e-5
+"""Distance in rad from a limit at which a joint counts as held by it."""
+
+
+@dataclass(frozen=True)
+class ClipSolution:
+    """A solved clip.
+
+    Attributes:
+        solution: the trajectory.
+        unsolved: frames (start, end) that stayed as they were at the start: no better trajectory was found.
+    """
+
+    solution: Solution
+    unsolved: tuple[tuple[int, int], ...]
+
+
+class ClipSolver:
+    """Solves whole clips of one robot."""
+
+    def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
+        """Build and compile the problem of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
+        self._geometry, self._model = geometry, ClipModel(geometry, machine_code=machine_code)
+        self._couplings = joint_couplings(geometry.model)
+
+    def solve(
+        self, targets: Targets, start: Floats, com: Floats | None = None, stretches: list[Stretch] | None = None
+    ) -> ClipSolution:
+        """Improve a clip of N frames, from rest to rest.
+
+        Args:
+            targets: what the robot should do.
+            start: (N, nq) trajectory to start from, inside the limits.
+            com: (N, 2) centre of mass to follow over the floor.
+            stretches: what to solve one after the other; overlapping windows by default.
+        """
+        qpos, unsolved = start.copy(), list[tuple[int, int]]()
+        for stretch in windows(len(qpos)) if stretches is None else stretches:
+            better = self._improved(ClipProblem(self._model, targets, com, stretch), qpos)
+            if better is None:
+                unsolved.append((stretch.start, stretch.end))
+            else:
+                qpos[stretch.frames] = better
+        for configuration in qpos:
+            settle(self._geometry.model, self._couplings, configuration)
+        return ClipSolution(self._measured(qpos, targets), tuple(unsolved))
+
+    def _improved(self, problem: ClipProblem, clip: Floats) -> Floats | None:
+        """(n, nq) better configurations of a stretch of a clip (N, nq), or None if none were found."""
+        stretch, count = problem.stretch, len(problem.stretch)
+        first = now = problem.evaluate(clip, clip[stretch.frames])
+        program = TrajectoryQP(stretch, self._geometry.dof_index, problem.smoothness)
+        tried = Filter(count)
+        tried.add(now.cost, now.violation)
+        for _ in range(ITERATIONS):
+            increments = program.solve(
+                problem.quadratic(now), now.changes, problem.box(now, TRUST), now.soft, problem.limits(now)
+            )
+            then = None if increments is None else _step(problem, clip, now, increments, tried)
+            if then is None:
+                break
+            tried.add(then.cost, then.violation)
+            settled = now.cost - then.cost < GAIN * now.cost and then.violation < TIGHT * count
+            now = then
+            if settled:
+                break
+        tight = now.violation <= max(first.violation, 5 * TIGHT * count)
+        return now.qpos if now is not first and tight else None
+
+    def _measured(self, qpos: Floats, targets: Targets) -> Solution:
+        total = len(qpos)
+        parts: list[Point] = []
+        for start in range(0, total, LENGTH):
+            stretch = Stretch(start, min(start + LENGTH, total), total)
+            parts.append(ClipProblem(self._model, targets, None, stretch).evaluate(qpos, qpos[stretch.frames]))
+        distance, angle = np.moveaxis(np.concatenate([part.foot_error for part in parts]), 2, 0)
+        return Solution(
+            qpos=qpos,
+            point_error=np.concatenate([part.terms["point_error"][:, 0] for part in parts]),
+            foot_error=distance,
+            centre_of_mass=np.concatenate([part.terms["centre_of_mass"][:, 0] for part in parts]),
+            released=targets.contacts & ((distance > PLANTED_M) | (angle > PLANTED_RAD)),
+            limited=self._limited(qpos[:, self._geometry.qpos_index], targets.fps),
+        )
+
+    def _limited(self, joints: Floats, fps: float) -> Bools:
+        """(N, J) whether a joint is at the end of its range, or its step or change of step at its limit."""
+        bounds = JointBounds.of(self._geometry.robot, fps)
+        step = np.diff(joints, axis=0, prepend=joints[:1])
+        change = np.diff(step, axis=0, prepend=step[:1])
+        return (
+            (joints <= bounds.lower + AT_LIMIT)
+            | (joints >= bounds.upper - AT_LIMIT)
+            | (np.abs(step) >= bounds.step - AT_LIMIT)
+            | (np.abs(change) >= bounds.change - AT_LIMIT)
+        )
+
+
+def _step(problem: ClipProblem, clip: Floats, now: Point, increments: Floats, tried: Filter) -> Point | None:
+    """The first point on the way along `increments` (n, nv) that the filter accepts."""
+    share = 1.0
+    while share >= SHORTEST_STEP:
+        then = problem.evaluate(clip, problem.within(moved(now.qpos, share * increments)))
+        if tried.accepts(then.cost, then.violation):
+            return then
+        share /= 2
+    return None
