@@ -1,10 +1,12 @@
 import json
 
+import numpy as np
 import pytest
 
 from retarget.cli import Retarget
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
-from ros_free_stack.files import load_trajectory, save_motion
+from ros_free_stack.files import load_trajectory, save_motion, save_trajectory
+from ros_free_stack.formats.registry import save
 
 
 def test_writes_trajectory_and_table_and_reports(tmp_path, motions, capsys):
@@ -15,6 +17,21 @@ def test_writes_trajectory_and_table_and_reports(tmp_path, motions, capsys):
     trajectory = load_trajectory(out)
     assert result["frames"] == len(trajectory.joint_pos) == len(out.with_suffix(".csv").read_text().splitlines()) - 1
     assert set(result["report"]["position_error_cm"]) >= {"pelvis", "right_wrist", "left_sole"}
+
+
+def test_takes_a_motion_in_another_format(tmp_path, motions, capsys):
+    files = {"human.npz": "a.npz", "human.bvh": "b.npz"}
+    for name, out in files.items():
+        save(tmp_path / name, motions["stand"])
+        assert Retarget(motion=tmp_path / name, out=tmp_path / out, balance=False).run() == 0
+    assert "this project's own skeleton; lengths in cm, y up" in capsys.readouterr().err
+    first, second = (load_trajectory(tmp_path / out) for out in files.values())
+    np.testing.assert_allclose(second.joint_pos, first.joint_pos, atol=1e-3)
+    save_trajectory(tmp_path / "robot.npz", first)
+    with pytest.raises(InvalidFile, match="holds a robot trajectory, expected human motion"):
+        Retarget(motion=tmp_path / "robot.npz", out=tmp_path / "c.npz").run()
+    with pytest.raises(InvalidOption, match=r"--units: .* has no use for it"):
+        Retarget(motion=tmp_path / "human.npz", out=tmp_path / "c.npz", units="cm").run()
 
 
 @pytest.mark.parametrize(
