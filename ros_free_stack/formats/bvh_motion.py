@@ -17,20 +17,21 @@ from typing import Final
 import numpy as np
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
+from ros_free_stack.coherence import leg_length
 from ros_free_stack.errors import InvalidFile, InvalidOption
+from ros_free_stack.formats.asf_amc import INCH
 from ros_free_stack.formats.bvh import Bvh, Joint, positions, read_bvh, write_bvh
 from ros_free_stack.formats.families import Family, bare, find_family
-from ros_free_stack.formats.frames import from_y_up, stand, to_y_up
+from ros_free_stack.formats.frames import LEG_M, from_y_up, stand, to_y_up
 from ros_free_stack.formats.mapping import read_mapping, unknown_skeleton
 from ros_free_stack.formats.skeleton_map import select
 from ros_free_stack.formats.source import Source, SourceOptions, Units, UpAxis, human_source
 from ros_free_stack.messages import Floats, HumanMotion
 from ros_free_stack.skeleton import INDEX, JOINT_NAMES, PARENTS
 
-METRES: Final[dict[Units, float]] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
+METRES: Final[dict[Units, float]] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": INCH, "cmu": INCH / 0.45}
 """Metres a unit; `cmu` is the length unit of CMU's skeletons."""
 
-LEG_M: Final = (0.55, 1.15)
 UPRIGHT: Final = 2.0
 """How much further from ankles to head it must be along the up axis than along the other one."""
 
@@ -109,12 +110,7 @@ def write(path: Path, motion: HumanMotion) -> tuple[str, ...]:
 
 
 def _guess_units(path: Path, joints: Floats) -> Units:
-    legs = [
-        np.linalg.norm(joints[:, INDEX[f"{side}_{upper}"]] - joints[:, INDEX[f"{side}_{lower}"]], axis=-1)
-        for side in ("left", "right")
-        for upper, lower in (("hip", "knee"), ("knee", "ankle"))
-    ]
-    length = float(np.median(np.sum(legs, axis=0))) / 2
+    length = leg_length(joints)
     for unit, metres in METRES.items():
         if LEG_M[0] <= metres * length <= LEG_M[1]:
             return unit

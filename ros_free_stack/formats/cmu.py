@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.formats import asf_amc, bvh, skeleton_map
+from ros_free_stack.formats.bvh_motion import METRES
 from ros_free_stack.formats.families import CMU_LEAD
 from ros_free_stack.formats.frames import from_y_up, put_on_floor
 from ros_free_stack.skeleton import FPS
@@ -30,10 +31,6 @@ DAMAGED = frozenset({"09_10"})
 MAX_SPEED = 12.0
 """No joint of a person moves faster than this (m/s) in what these takes show; some dances of subject 05 have a
 leg that does, for a few frames."""
-
-CENTIMETRE = 0.01
-ASF_UNIT = asf_amc.INCH / 0.45
-"""The length unit of CMU's skeletons, which the BVH files of subject 131 keep."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +123,9 @@ def _read_bvh(path: Path) -> Floats:
         raise InvalidFile(path, f"{data.fps:.1f} frames a second, CMU's recordings have {STRIDE * FPS:.0f}")
     if len(data.values) <= CMU_LEAD:
         raise InvalidFile(path, f"holds {len(data.values)} frames, the first {CMU_LEAD} of which are not captured")
-    weights, metres = (skeleton_map.DAZ, CENTIMETRE) if "hip" in data.names else (skeleton_map.SUBJECT_131, ASF_UNIT)
+    weights, metres = (
+        (skeleton_map.DAZ, METRES["cm"]) if "hip" in data.names else (skeleton_map.SUBJECT_131, METRES["cmu"])
+    )
     points = bvh.positions(replace(data, values=data.values[CMU_LEAD::STRIDE]))
     return _select(path, data.names, points * metres, weights)
 

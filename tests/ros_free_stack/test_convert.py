@@ -140,6 +140,17 @@ def test_bad_values_in_arrays(tmp_path: Path, shape: tuple[int, ...], name: str)
         load(tmp_path / "a.npy", NO_OPTIONS, f"humanml3d-{name}")
 
 
+def test_arrays_of_the_wrong_size_are_no_person(tmp_path: Path, person) -> None:
+    motion = person(30)
+    np.save(tmp_path / "millimetres.npy", 1000 * to_y_up(motion.joints))
+    with pytest.raises(InvalidFile, match=r"legs of 7\d\d m, expected 0.55 to 1.15; are the lengths in m\?"):
+        load(tmp_path / "millimetres.npy", NO_OPTIONS)
+    features = encode(motion.joints)
+    np.save(tmp_path / "standardised.npy", (features - features.mean(axis=0)) / (features.std(axis=0) + 1e-9))
+    with pytest.raises(InvalidFile, match="are the features standardised"):
+        load(tmp_path / "standardised.npy", NO_OPTIONS)
+
+
 def test_a_csv_does_not_tell_its_quaternions(tmp_path: Path, trajectory) -> None:
     robot_csv.write_unitree(tmp_path / "a.csv", trajectory())
     with pytest.raises(InvalidOption, match=r"--quaternion: name the order .* xyzw \(as Unitree .* wxyz \(Kimodo"):
