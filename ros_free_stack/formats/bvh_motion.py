@@ -23,7 +23,7 @@ from ros_free_stack.formats.asf_amc import INCH
 from ros_free_stack.formats.bvh import Bvh, Joint, positions, read_bvh, write_bvh
 from ros_free_stack.formats.families import Family, bare, find_family
 from ros_free_stack.formats.frames import LEG_M, from_y_up, stand, to_y_up
-from ros_free_stack.formats.mapping import read_mapping, unknown_skeleton
+from ros_free_stack.formats.mapping import nearest_family, read_mapping, unknown_skeleton
 from ros_free_stack.formats.skeleton_map import select
 from ros_free_stack.formats.source import Source, SourceOptions, Units, UpAxis, human_source
 from ros_free_stack.messages import Floats, HumanMotion
@@ -63,7 +63,7 @@ def read(path: Path, options: SourceOptions) -> Source:
         notes += (f"the first {family.lead} frames are no capture and left out",)
     joints = select(names, positions(replace(data, values=data.values[family.lead :])), family.weights)
     units = options.units or _guess_units(path, joints)
-    up = options.up or ("y" if family.placed else _guess_up(path, joints))
+    up = options.up or _guess_up(path, joints)
     notes += (f"skeleton: {family.name}; lengths in {units}, {up} up",)
     joints = METRES[units] * (from_y_up(joints) if up == "y" else joints)
     if not family.placed:
@@ -79,9 +79,12 @@ def known_skeleton(path: Path, names: tuple[str, ...], mapping: Path | None) -> 
     if mapping is not None:
         return read_mapping(mapping, names)
     family = find_family(names)
-    if family is None:
+    if family is not None:
+        return family, ()
+    nearest = nearest_family(names)
+    if nearest is None:
         raise unknown_skeleton(path, names)
-    return family, ()
+    return nearest
 
 
 def write(path: Path, motion: HumanMotion) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ be there, since nothing else says where limbs are.
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, cast
 
@@ -23,6 +24,15 @@ _TRUNK: Final = {"pelvis": 0.0, "spine1": 0.22, "spine2": 0.48, "spine3": 0.60, 
 """Where SMPL's joints lie on the way from pelvis to neck."""
 
 _REPLACEABLE: Final = (*list(_TRUNK)[1:], "head", "left_collar", "right_collar")
+
+_BEFORE: Final = {
+    "head": "neck",
+    "left_wrist": "left_elbow",
+    "right_wrist": "right_elbow",
+    "left_foot": "left_ankle",
+    "right_foot": "right_ankle",
+}
+"""The joint before each end of the body."""
 
 UNKNOWN: Final = "FILL_IN"
 """Stands in a proposed mapping for a joint that no name suggests."""
@@ -59,8 +69,7 @@ def read_mapping(path: Path, names: Sequence[str]) -> tuple[Family, tuple[str, .
     needed = [joint for joint in missing if joint not in _REPLACEABLE]
     if needed:
         raise InvalidFile(path, f"says nothing of {', '.join(needed)}, which cannot be interpolated")
-    notes = (f"not in the file, interpolated: {', '.join(missing)}",) if missing else ()
-    return Family(f"mapping {path.name}", complete(table)), notes
+    return Family(f"mapping {path.name}", complete(table)), _interpolated(missing)
 
 
 def complete(table: Mapping[str, Blend]) -> dict[str, Blend]:
@@ -86,6 +95,27 @@ def complete(table: Mapping[str, Blend]) -> dict[str, Blend]:
     return full
 
 
+def nearest_family(names: Sequence[str]) -> tuple[Family, tuple[str, ...]] | None:
+    """The known skeleton that a file has but for some joints, and in words what stands in for them.
+
+    The end site of forearm, foot or neck stands in for a missing hand, toe or head; what else is missing must be of the
+    trunk. Of several skeletons the one counts that lacks least.
+    """
+    found: list[tuple[int, Family, tuple[str, ...]]] = []
+    for family in FAMILIES:
+        table = {joint: dict(blend) for joint, blend in family.weights.items() if set(blend) <= set(names)}
+        lacking = len(JOINT_NAMES) - len(table)
+        ends = {joint: f"{name}_end" for joint, before in _BEFORE.items() for name in family.weights[before]}
+        ends = {joint: end for joint, end in ends.items() if joint not in table and end in names}
+        table |= {joint: {end: 1.0} for joint, end in ends.items()}
+        missing = [joint for joint in JOINT_NAMES if joint not in table]
+        if set(missing) <= set(_REPLACEABLE) and set(family.marks) <= set(names):
+            notes = tuple(f"{joint}: {end} stands in" for joint, end in ends.items()) + _interpolated(missing)
+            found.append((lacking, replace(family, weights=complete(table)), notes))
+    _, family, notes = min(found, key=lambda item: item[0], default=(0, None, ()))
+    return None if family is None else (family, notes)
+
+
 def template(names: Iterable[str]) -> str:
     """A mapping to start from: each of the 22 joints with the joint of the file whose name suggests it."""
     names = tuple(names)
@@ -104,7 +134,7 @@ def unknown_skeleton(path: Path, names: Sequence[str]) -> InvalidFile:
 
 
 def _blend(path: Path, joint: str, source: object, names: Sequence[str]) -> Blend:
-    items = cast(dict[Any, Any], source) if isinstance(source, dict) else {source: 1.0}
+    items = cast(dict[Any, Any], source) if isinstance(source, dict) else {str(source): 1.0}
     blend: Blend = {}
     for name, weight in items.items():
         if str(name) not in names:
@@ -116,6 +146,10 @@ def _blend(path: Path, joint: str, source: object, names: Sequence[str]) -> Blen
     if abs(sum(blend.values()) - 1) > 1e-6:
         raise InvalidFile(path, f"{joint}: the weights sum to {sum(blend.values()):g}, expected 1")
     return blend
+
+
+def _interpolated(missing: Sequence[str]) -> tuple[str, ...]:
+    return (f"not in the file, interpolated: {', '.join(missing)}",) if missing else ()
 
 
 def _mix(*parts: tuple[Blend, float]) -> Blend:

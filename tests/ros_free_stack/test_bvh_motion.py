@@ -154,11 +154,34 @@ def test_trunk_joints_that_a_file_lacks_are_interpolated_and_said(tmp_path: Path
     np.testing.assert_allclose(joints[:, INDEX["spine2"]], joints[:, INDEX["spine1"]] + 0.26 / 0.38 * span, atol=1e-9)
 
 
+def test_known_skeletons_may_lack_hands_toes_and_trunk_joints(tmp_path: Path, person) -> None:
+    pose = person(1)
+    lafan = next(family for family in FAMILIES if family.name == "LaFAN1")
+    names, points = rig_points(lafan, to_y_up(100 * pose.joints))
+    ends = {"LeftHand": "LeftForeArm_end", "RightHand": "RightForeArm_end", "LeftToe": "LeftFoot_end"}
+    kept = [i for i, name in enumerate(names) if name not in ("LeftShoulder", "Spine1")]
+    names = [ends.get(names[i], names[i]) for i in kept]
+    source = read(write_rig(tmp_path / "a.bvh", names, points[:, kept]), NO_OPTIONS)
+    assert isinstance(source.content, HumanMotion)
+    assert source.notes[:-1] == (
+        "left_wrist: LeftForeArm_end stands in",
+        "right_wrist: RightForeArm_end stands in",
+        "left_foot: LeftFoot_end stands in",
+        "not in the file, interpolated: spine2, left_collar",
+    )
+    rest = [INDEX[name] for name in JOINT_NAMES if name not in ("spine2", "left_collar")]
+    np.testing.assert_allclose(source.content.joints[:, rest], pose.joints[:, rest], atol=1e-4)
+    no_knee = [name.replace("LeftLeg", "LeftStump") for name in names]
+    with pytest.raises(InvalidFile, match=r"--mapping mapping\.yaml"):
+        read(write_rig(tmp_path / "a.bvh", no_knee, points[:, kept]), NO_OPTIONS)
+
+
 @pytest.mark.parametrize(
     ("text", "error", "message"),
     [
         ("pelvis: Hips", InvalidFile, "says nothing of left_hip, right_hip, left_knee"),
         ("tail: Hips", UnknownName, "unknown joint in .* 'tail'"),
+        ("pelvis: [Hips, Head]", UnknownName, "Hips.*Head.*; valid: "),
         ("pelvis: Tail", UnknownName, "'Tail'; valid: .*Hips"),
         ("pelvis: {Hips: 0.5}", InvalidFile, "pelvis: the weights sum to 0.5, expected 1"),
         ("pelvis: {Hips: much}", InvalidFile, "the weight of Hips is 'much'"),
@@ -196,7 +219,7 @@ def test_round_trip(tmp_path_factory, person, seed: int, frames: int, size: floa
     motion = HumanMotion(motion.joints + stretch * rng.normal(size=motion.joints.shape), 20.0)
     notes = write(path, motion)
     assert bool(notes) == (stretch > 0 and frames > 1)
-    back = read(path, SourceOptions(units="cm")).content
+    back = read(path, SourceOptions(units="cm", up="y")).content
     assert isinstance(back, HumanMotion)
     assert back.fps == 20
     np.testing.assert_allclose(back.joints, motion.joints, atol=1e-3)
