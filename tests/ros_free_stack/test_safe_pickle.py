@@ -1,3 +1,4 @@
+import base64
 import os
 import pickle
 import subprocess
@@ -102,22 +103,37 @@ def test_persistent_objects_are_refused(tmp_path: Path) -> None:
         read_pickle(tmp_path / "a.pkl")
 
 
-@pytest.mark.parametrize("compress", [False, True])
-def test_what_joblib_writes(tmp_path: Path, compress: bool) -> None:
-    joblib = pytest.importorskip("joblib")
-    rng = np.random.default_rng(0)
-    clip = {
-        "pose_aa": rng.normal(size=(5, 72)),
-        "dof": np.asfortranarray(rng.normal(size=(5, 3))).astype("f4"),
+# joblib.dump(JOBLIB_CLIPS, file, compress=True) of joblib 1.6
+JOBLIB_FILE = (
+    "eF59UctKw0AU7Ttt8dFSUVRwXRcWFy5cCEYEEQMR3LiSMGmnndhJMmQSShaFurBWmJ03X+nGP9BJOq1awbuYc4a5j3PuTErJe24eYxCV46MRok"
+    "MYQ1tozOfYQghE69G3qWN3vMhlscWc7pBiEE0zvV4EAYrvA8QYDuANDp+y2iqP7C5FnIMoZ1UgNK+H0lyZJMqcIIbBKBjFqbz5QU8Wi/yl5L0w"
+    "li+kvmAyu9A/hdfZC9xB2yiK/BmYpnnzKSM7jFwItqgjSv2R5bqIwUzsz5Vm8yxEnYHnYi+07DjEHIxGZNfSyiyUdwUf54roc6wqbCjc0pNblS"
+    "GKPb8PpDJ3TGpkjaxLQ4UpkE2RvwLSJC0p/eRbOtn5K5zszsheqkj7rUfOm0gtup5cL+f1mRR/ICoD7GX70jwchQGicmvYZWG8KiaXbpdskoaU"
+    "sr0ctLG0npHEXPQvUYeH8LDapfi86CHtOD9+4l871dX95tWYgsKkpAiKeOcLu0vpZg=="
+)
+JOBLIB_CLIPS = {
+    "0-walk": {
+        "pose_aa": np.arange(6.0).reshape(2, 3),
+        "dof": np.asfortranarray(np.arange(4, dtype="f4").reshape(2, 2)),
         "fps": 30,
+        "gender": "neutral",
+        "empty": np.zeros((0, 3)),
+        "list": [np.arange(3)],
     }
-    data = {"0-walk": clip | {"gender": "neutral", "empty": np.zeros((0, 3)), "list": [np.arange(3)]}}
-    joblib.dump(data, tmp_path / "a.pkl", compress=compress)
-    same(read_pickle(tmp_path / "a.pkl"), data)
-    whole = (tmp_path / "a.pkl").read_bytes()
-    (tmp_path / "a.pkl").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(InvalidFile, match="not a readable pickle"):
-        read_pickle(tmp_path / "a.pkl")
+}
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_what_joblib_writes(tmp_path: Path, compressed: bool) -> None:
+    packed = base64.b64decode(JOBLIB_FILE)
+    whole = packed if compressed else zlib.decompress(packed)
+    path = tmp_path / "a.pkl"
+    path.write_bytes(whole)
+    same(read_pickle(path), JOBLIB_CLIPS)
+    for length in range(1, len(whole), 7):
+        path.write_bytes(whole[:length])
+        with pytest.raises(InvalidFile, match="not a readable pickle"):
+            read_pickle(path)
 
 
 @given(st.binary(max_size=300))
