@@ -20,7 +20,6 @@ from generator.data.actions import ACTIONS
 from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
 from generator.data.dataset import Clip, MotionDataset
-from generator.data.features import decode
 from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
 from generator.generate import WEIGHTS_FOLDER, MotionGenerator
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
@@ -28,6 +27,7 @@ from generator.probes.named import named
 from generator.probes.signals import Signals
 from ros_free_stack.console import progress
 from ros_free_stack.errors import UnknownName
+from ros_free_stack.formats.features import decode
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.skeleton import FPS
 
