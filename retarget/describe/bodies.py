@@ -8,7 +8,7 @@ import numpy as np
 
 from retarget.collision import nearest_points
 from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
-from retarget.describe.shapes import body_points
+from retarget.describe.shapes import body_points, collides
 from retarget.describe.tree import Tree
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.messages import Floats
@@ -18,13 +18,19 @@ LEAST_BODY = 0.01
 """Bodies smaller than this, in sizes of the robot, collide with nothing that their neighbours do not."""
 SPLIT_ROOM = 0.04
 """A body is covered by several capsules where one reaches this far beyond its thinner sides, in sizes of the robot."""
-SAMPLES = 1500
-"""Random poses in which pairs are looked at."""
+SAMPLES, LEAST_MEETINGS, NEAR = 2000, 8, 0.05
+"""Random poses in which pairs are looked at, and in how many of them, or of the mirrored ones, they must come near each
+other, in sizes of the robot: random limbs seldom touch."""
 
 
 def fit_bodies(tree: Tree, progress: Callable[[list[int]], Iterable[int]]) -> dict[int, tuple[Capsule, ...]]:
-    """Capsules of every moving body with a shape; the right limbs' are the mirrored left ones."""
+    """Capsules of every body that collides; the right limbs' are the mirrored left ones.
+
+    Where hardly any body of a model collides, what is seen of them counts.
+    """
     bodies = [body for body in tree.bodies if _extent(tree, body) > LEAST_BODY * tree.size]
+    colliding = [body for body in bodies if collides(tree.model, body)]
+    bodies = colliding if len(colliding) > len(tree.children) / 3 else bodies
     twins = mirrored_bodies(tree)
     found: dict[int, tuple[Capsule, ...]] = {}
     for body in progress([body for body in bodies if body not in twins]):
@@ -55,7 +61,7 @@ def mirrored_capsule(tree: Tree, capsule: Capsule, left: int, right: int) -> Cap
 def collision_pairs(
     tree: Tree, capsules: dict[int, tuple[Capsule, ...]], ranges: Floats, standing: Floats, seed: int = 0
 ) -> dict[int, tuple[int, ...]]:
-    """Pairs of bodies that meet in some random pose but are apart in the standing one, and are no neighbours.
+    """Pairs of bodies that meet in some random poses but are apart in the standing one, and are no neighbours.
 
     A pair counts where its mirror image does: random poses are not symmetric.
     """
@@ -65,13 +71,13 @@ def collision_pairs(
     ends = [(a, c, b, d) for a, b in pairs for c, d in product(capsules[a], capsules[b])]
     if not ends:
         return {}
-    least = np.full(len(pairs), np.inf)
+    meetings = np.zeros(len(pairs), dtype=int)
     index = np.array([k for k, _, _ in chosen])
     rng, data = np.random.default_rng(seed), mujoco.MjData(tree.model)
     couplings = joint_couplings(tree.model)
     moving = [joint for body in tree.children if body != tree.base for joint in tree.joints(body)]
     at = tree.model.jnt_qposadr[moving]
-    room = np.inf
+    room = np.zeros(len(pairs))
     for sample in range(SAMPLES):
         data.qpos[:] = standing
         if sample:
@@ -81,18 +87,29 @@ def collision_pairs(
         distances = np.full(len(pairs), np.inf)
         np.minimum.at(distances, index, _distances(data, ends))
         if sample:
-            least = np.minimum(least, distances)
+            meetings += distances < NEAR * tree.size
         else:
             room = distances
     twins = mirrored_bodies(tree)
     twins |= {left: right for right, left in twins.items()}
-    meeting = {pairs[k] for k in np.flatnonzero(least < 0)}
-    meeting |= {_sorted(twins.get(a, a), twins.get(b, b)) for a, b in meeting}
-    apart = {pairs[k] for k in np.flatnonzero(room > 0)}
+    mates = _mates(tree)
+    number = {pair: k for k, pair in enumerate(pairs)}
     table: dict[int, tuple[int, ...]] = {}
-    for first, second in sorted(meeting & apart):
-        table[first] = (*table.get(first, ()), second)
+    for k, (first, second) in enumerate(pairs):
+        twin = number[_sorted(twins.get(first, first), twins.get(second, second))]
+        close = meetings[k] + (meetings[twin] if twin != k else 0)
+        if (close >= LEAST_MEETINGS or (first, second) in mates) and min(room[k], room[twin]) > 0:
+            table[first] = (*table.get(first, ()), second)
     return table
+
+
+def _mates(tree: Tree) -> set[tuple[int, int]]:
+    """Bodies of the outer halves of the same limb, left and right: hands and feet meet, however seldom by chance."""
+    return {
+        _sorted(left, right)
+        for pair in tree.pairs()
+        for left, right in product(*(chain[len(chain) // 2 :] for chain in (pair.left, pair.right)))
+    }
 
 
 def _sorted(first: int, second: int) -> tuple[int, int]:

@@ -19,6 +19,11 @@ def body_geoms(model: mujoco.MjModel, body: int) -> list[int]:
     return [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]] or geoms
 
 
+def collides(model: mujoco.MjModel, body: int) -> bool:
+    """Whether a body has a shape that collides."""
+    return any(model.geom_contype[g] or model.geom_conaffinity[g] for g in body_geoms(model, body))
+
+
 def geom_points(model: mujoco.MjModel, geom: int) -> Floats:
     """(N, 3) points in the body's frame, m, whose convex hull is the shape."""
     size, kind = model.geom_size[geom], mujoco.mjtGeom(int(model.geom_type[geom]))

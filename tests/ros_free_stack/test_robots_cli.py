@@ -16,7 +16,7 @@ def test_show_tells_servos_and_safety(capsys: pytest.CaptureFixture[str]) -> Non
     assert shown["servo_settings"]["mode"] == "position"
     assert RobotsShow(robot="op3").run() == 0
     text = capsys.readouterr().out
-    assert "servo   5, XM430-W350" in text and "following_error 0.5" in text and "2000000 baud" in text
+    assert "servo 5, XM430-W350" in text and "following_error 0.5" in text and "2000000 baud" in text
 
 
 def test_show_of_a_robot_without_servos(capsys: pytest.CaptureFixture[str]) -> None:
