@@ -1,6 +1,8 @@
 """What the retargeter needs to know of a robot's body, measured once on its standing pose."""
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import mujoco
@@ -62,7 +64,8 @@ class RobotGeometry:
         bodies: body id of each followed point, keyed by human joint.
         offsets: (3,) of each followed point in its body's frame.
         points: (3,) world position of every attachment in the standing pose.
-        frames: body id of the bodies whose orientation is followed: "pelvis", and "torso" where it is another body.
+        frames: body id of the bodies whose orientation is followed: "pelvis", "torso" where it is another body, and
+            "head" where it is attached.
         references: (3, 3) standing orientation of each of `frames`.
         feet: the feet, in the description's order.
     """
@@ -89,25 +92,25 @@ class RobotGeometry:
         """Human joints whose positions are followed, in the order of every point array."""
         return tuple(self.bodies)
 
-    @property
+    @cached_property
     def ankle_height(self) -> float:
         """Height of the ankles above the floor in the standing pose, m; 0 without feet."""
         return float(np.mean([self.points[f"{foot.side}_ankle"][2] for foot in self.feet])) if self.feet else 0.0
 
-    @property
+    @cached_property
     def hip_height(self) -> float:
         """Height of the hips above the ankles in the standing pose, m; the length by which legs are scaled."""
         hips = np.mean([self.points[f"{side}_hip"][2] for side in ("left", "right")])
         return float(hips) - self.ankle_height
 
-    @property
+    @cached_property
     def limb_length(self) -> float:
         """Length of a leg, or of an arm where the robot has no legs, m: what weights and thresholds are scaled by."""
         return self.length(*next(limb for limb in LIMBS if self.points.keys() >= set(limb)))
 
     def length(self, *chain: str) -> float:
         """Sum of the distances along attachments, m."""
-        return float(sum(np.linalg.norm(self.points[b] - self.points[a]) for a, b in pairwise(chain)))
+        return sum(math.dist(self.points[a], self.points[b]) for a, b in pairwise(chain))
 
 
 def measure(robot: RobotDescription) -> RobotGeometry:
@@ -128,6 +131,8 @@ def measure(robot: RobotDescription) -> RobotGeometry:
     frames = {"pelvis": model.body(pelvis).id}
     if robot.torso_body != pelvis:
         frames["torso"] = model.body(robot.torso_body).id
+    if "head" in robot.attachments:
+        frames["head"] = model.body(robot.attachments["head"].body).id
     followed = [joint for joint in POINTS if joint in robot.attachments]
     return RobotGeometry(
         robot=robot,

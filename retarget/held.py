@@ -40,7 +40,7 @@ def held_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline) -
             points[child] = place
     followed = np.stack([points[name] for name in geometry.followed], axis=1)
     own = np.stack([standing[name] for name in geometry.followed])
-    rotations = {"pelvis": np.repeat(np.eye(3)[None], count, axis=0), "torso": torso}
+    rotations = {"pelvis": np.repeat(np.eye(3)[None], count, axis=0), "torso": torso, "head": hm.head_rotation(joints)}
     return Targets(
         fps=timeline.fps,
         points=own + weight[:, None, None] * (followed - own),

@@ -16,6 +16,9 @@ PELVIS_REST_TILT = -0.105
 TORSO_REST_TILT = -0.025
 """Forward lean, in rad, of the lines from hips to spine1 and from spine1 to neck of an upright person (SMPL's rest)."""
 
+HEAD_REST_TILT = 0.25
+"""Forward lean of the line from neck to head of a person who looks straight ahead."""
+
 SHORTEST_CONTACT_S = 0.08
 
 
@@ -27,10 +30,18 @@ class ContactThresholds:
     ankle_height: tuple[float, float] = (0.05, 0.10)
     speed: tuple[float, float] = (0.25, 0.5)
 
+    def stands(self, toe: Floats, ankle: Floats, speed: Floats) -> tuple[Bools, Bools]:
+        """(T,) whether a foot may begin to stand, and whether one that stands still does."""
+        low, high = (
+            (toe < self.toe_height[k]) & (ankle < self.ankle_height[k]) & (speed < self.speed[k]) for k in range(2)
+        )
+        return low, high
+
 
 def unit(vectors: Floats) -> Floats:
     """Vectors of length 1 along the last axis; zero stays zero."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
+    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    return vectors / np.maximum(length, 1e-9)[..., None]
 
 
 def yaw_rotation(angles: Floats) -> Floats:
@@ -134,14 +145,16 @@ def find_contacts(joints: Floats, fps: float, ankle_rest: float, thresholds: Con
     """
     contacts = np.zeros((len(joints), 2), dtype=bool)
     for i, side in enumerate(SIDES):
-        toe, ankle = joint(joints, f"{side}_foot"), joint(joints, f"{side}_ankle")
-        speed = _speed(toe, fps)
-        measured = np.stack([toe[:, 2], ankle[:, 2] - ankle_rest, speed], axis=1)
-        limits = np.array([thresholds.toe_height, thresholds.ankle_height, thresholds.speed])
-        start, hold = (np.all(measured < limits[:, k], axis=1) for k in range(2))
-        contacts[:, i] = _hysteresis(np.asarray(start), np.asarray(hold))
+        speed = _speed(joint(joints, f"{side}_foot"), fps)
+        start, hold = thresholds.stands(*foot_heights(joints, side, ankle_rest), speed)
+        contacts[:, i] = _hysteresis(start, hold)
         contacts[:, i] = _without_blips(contacts[:, i], round(SHORTEST_CONTACT_S * fps))
     return contacts
+
+
+def foot_heights(joints: Floats, side: str, ankle_rest: float) -> tuple[Floats, Floats]:
+    """(T,) heights of the toe and of the ankle above where they are when the foot stands, m."""
+    return joint(joints, f"{side}_foot")[:, 2], joint(joints, f"{side}_ankle")[:, 2] - ankle_rest
 
 
 def heading(joints: Floats) -> Floats:
@@ -164,6 +177,16 @@ def torso_rotation(joints: Floats) -> Floats:
     return _upright_frame(up, across, TORSO_REST_TILT)
 
 
+def head_rotation(joints: Floats) -> Floats:
+    """(T, 3, 3) orientation of the head: bowed and tilted as neck and head show, turned as the collars.
+
+    The skeleton has no face, so a head that turns on the neck cannot be seen.
+    """
+    up = joint(joints, "head") - joint(joints, "neck")
+    across = joint(joints, "left_collar") - joint(joints, "right_collar")
+    return _upright_frame(up, across, HEAD_REST_TILT)
+
+
 def foot_vectors(joints: Floats, side: str) -> Floats:
     """(T, 3) from ankle to toe."""
     return joint(joints, f"{side}_foot") - joint(joints, f"{side}_ankle")
@@ -181,8 +204,11 @@ def _pitch(vectors: Floats) -> Floats:
 
 def _upright_frame(up: Floats, across: Floats, tilt: float) -> Floats:
     z = unit(up)
-    y = unit(across - (across * z).sum(axis=1, keepdims=True) * z)
-    frame = np.stack([np.cross(y, z), y, z], axis=-1)
+    y = unit(across - np.einsum("ti,ti->t", across, z)[:, None] * z)
+    frame = np.empty((len(z), 3, 3))
+    frame[..., 1], frame[..., 2] = y, z
+    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+        frame[:, i, 0] = y[:, j] * z[:, k] - y[:, k] * z[:, j]
     return frame @ pitch_rotation(np.array(-tilt))
 
 

@@ -27,6 +27,10 @@ from ros_free_stack.messages import Bools, Floats
 ITERATIONS = 3
 FIRST_ITERATIONS = 40
 FIRST_STARTS = 6
+CLEARLY_BETTER = 0.7
+"""Cost over the lowest so far at which another start is preferred: from a rest none of the others would be reached."""
+APPROACH_STEPS = 12
+"""Steps from the standing pose to the first frame's."""
 TRUST, AT_ONCE = 0.3, 1e3
 """Largest increment of one iteration for the first frame, m and rad, and its change: nothing brakes there."""
 CONVERGED = 1e-3
@@ -148,35 +152,63 @@ class FrameSolver:
                 break
         return self._end(goal)
 
+    @property
+    def limited(self) -> Bools:
+        """(J,) joints at a limit of range, speed or acceleration in the last frame."""
+        outputs, dofs = self._function.outputs, self.geometry.dof_index
+        if self._fps is None:
+            return np.zeros(len(dofs), dtype=bool)
+        return at_limit(outputs["low"][dofs, 0], self.last[dofs], outputs["high"][dofs, 0])
+
     def _first(self, goal: Goal) -> Floats:
-        """The best of several starts for the first frame: the standing pose, and seeded draws around it."""
+        """The best of several starts for the first frame: approached from the standing pose, and seeded draws."""
         geometry, inputs, outputs = self.geometry, self._function.inputs, self._function.outputs
         index, robot = geometry.qpos_index, geometry.robot
         bounds = JointBounds.tangent(geometry, 1.0)
         free = np.where(bounds.step > 0, 1.0, 0.0)
         inputs["limits"][:] = JointBounds(bounds.lower, bounds.upper, TRUST * free, AT_ONCE * free).table
         rng = np.random.default_rng(0)
-        best, lowest = geometry.standing, np.inf
+        best, lowest = self._approached(goal), np.inf
         for start in range(FIRST_STARTS):
-            self.qpos = self._placed(goal)
+            self.qpos = best if start == 0 else self._placed(goal)
             if start:
                 draw = self.qpos[index] + (robot.upper - robot.lower) / 4 * rng.uniform(-1, 1, len(index))
                 self.qpos[index] = np.clip(draw, robot.lower, robot.upper)
-            for _ in range(FIRST_ITERATIONS):
-                self._begin()
-                self._keep_apart(np.inf)
-                step = self._increment()
-                inputs["step"][:, 0] = np.clip(step, outputs["low"][:, 0], outputs["high"][:, 0])
-                self.qpos = self._function()["qpos"][:, 0].copy()
-                if np.abs(step).max() < CONVERGED:
-                    break
+            self._settle(FIRST_ITERATIONS)
             away = self.qpos[index] - geometry.standing[index]
             cost = outputs["cost"].item() + inputs["posture"].item() * float(away @ away)
-            # Another branch must be clearly better than the one that the standing pose leads to.
-            if cost < 0.98 * lowest:
+            if cost < CLEARLY_BETTER * lowest:
                 best, lowest = self.qpos, cost
         settle(geometry.model, self._couplings, best)
         return best
+
+    def _approached(self, goal: Goal) -> Floats:
+        """The configuration to which the points lead that move from the standing pose's to the goal's.
+
+        A robot that has followed the person from a rest is in this branch, wherever a clip is cut.
+        """
+        self.qpos = self._placed(goal)
+        points = self._function.inputs["points"].T
+        root = goal.points[self.geometry.followed.index("pelvis")]
+        turn = goal.rotations[0] @ self.geometry.references["pelvis"].T
+        own = np.stack([self.geometry.points[name] for name in self.geometry.followed])
+        own = root + (own - self.geometry.points["pelvis"]) @ turn.T
+        for share in np.linspace(0, 1, APPROACH_STEPS + 1)[1:]:
+            points[:] = own + share * (goal.points - own)
+            self._settle(ITERATIONS)
+        return self.qpos
+
+    def _settle(self, iterations: int) -> None:
+        """Iterate from the last configuration, with no limits but range, until it stays."""
+        inputs, outputs = self._function.inputs, self._function.outputs
+        for _ in range(iterations):
+            self._begin()
+            self._keep_apart(np.inf)
+            step = self._increment()
+            inputs["step"][:, 0] = np.clip(step, outputs["low"][:, 0], outputs["high"][:, 0])
+            self.qpos = self._function()["qpos"][:, 0].copy()
+            if np.abs(step).max() < CONVERGED:
+                break
 
     def _placed(self, goal: Goal) -> Floats:
         """The standing pose with the root where the goal wants the pelvis."""
@@ -260,6 +292,11 @@ class FrameSolver:
         return self._program.solve()[0]
 
 
+def at_limit(low: Floats, step: Floats, high: Floats) -> Bools:
+    """Whether steps are at one of their bounds."""
+    return (step <= low + 1e-9) | (step >= high - 1e-9)
+
+
 def _limit(step: Floats, low: Floats, high: Floats) -> None:
     """Clip in place; several times faster than `numpy.clip` on few numbers."""
     np.minimum(np.maximum(step, low, out=step), high, out=step)
@@ -292,5 +329,5 @@ class _History:
             np.linalg.norm(self._soles - targets.soles, axis=-1),
             self._centre_of_mass,
             self._released,
-            (np.arange(len(step)) > 0)[:, None] & ((step <= low + 1e-9) | (step >= high - 1e-9)),
+            (np.arange(len(step)) > 0)[:, None] & at_limit(low, step, high),
         )

@@ -106,7 +106,7 @@ def make_targets(clip: HumanClip, geometry: RobotGeometry, timeline: Timeline, s
     scale = geometry.hip_height / clip.leg_length
     travel = np.array([*[stride * scale] * 2, scale])
     feet = _foot_paths(clip, geometry, timeline, joints, detected, travel)
-    points, rotations = _body(clip, geometry, joints, travel)
+    points, rotations = body_targets(clip, geometry, joints, travel)
     own_points, own_rotations = _standing(geometry, feet, timeline.weight)
     weight = timeline.weight
     points = own_points + weight[:, None, None] * (points - own_points)
@@ -205,14 +205,10 @@ def _ankle_roll(geometry: RobotGeometry) -> float:
     return max(min(ranges), 0.0)
 
 
-def _foot_paths(
-    clip: HumanClip,
-    geometry: RobotGeometry,
-    timeline: Timeline,
-    joints: Floats,
-    detected: Bools,
-    travel: Floats,
-) -> list[FootPath]:
+def foot_targets(
+    clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floats
+) -> list[tuple[Floats, Floats, Floats]]:
+    """The scaled human's feet, apart from each other: ankle (N, 3) m, yaw (N,) and pitch (N,) rad of each foot."""
     facing = hm.heading(joints)
     left = np.stack([-np.sin(facing), np.cos(facing), np.zeros_like(facing)], axis=1)
     wider = (geometry.length("left_hip", "right_hip") - clip.hip_width * travel[1]) / 2
@@ -223,18 +219,30 @@ def _foot_paths(
         side = 1.0 if foot.side == "left" else -1.0
         ankles.append(ankle + side * wider * left)
     _keep_apart(geometry, ankles, facing)
-    order = [hm.SIDES.index(foot.side) for foot in geometry.feet]
-    heights = np.stack([ankle[:, 2] for ankle in ankles], axis=1)
-    contacts = plan_contacts(detected[:, order], heights, timeline.hold, timeline.fps)
-    contacts = prolong_double_support(contacts, timeline.fps, double_support_s(geometry.hip_height))
-    paths: list[FootPath] = []
-    for i, foot in enumerate(geometry.feet):
+    found: list[tuple[Floats, Floats, Floats]] = []
+    for foot, ankle in zip(geometry.feet, ankles, strict=True):
         yaw, pitch = hm.foot_angles(joints, foot.side, clip.foot_pitch_rest)
         away = np.mod(yaw - facing + np.pi, 2 * np.pi) - np.pi
         # A foot that points down has no yaw: it fades to the body's heading.
         certain = np.clip(1.6 - np.abs(pitch) / 0.6, 0, 1)
-        yaw = facing + certain * np.clip(away, -WIDEST_TOE_OUT, WIDEST_TOE_OUT)
-        paths.append(FootPath(ankles[i], yaw, pitch, contacts[:, i]))
+        found.append((ankle, facing + certain * np.clip(away, -WIDEST_TOE_OUT, WIDEST_TOE_OUT), pitch))
+    return found
+
+
+def _foot_paths(
+    clip: HumanClip,
+    geometry: RobotGeometry,
+    timeline: Timeline,
+    joints: Floats,
+    detected: Bools,
+    travel: Floats,
+) -> list[FootPath]:
+    feet = foot_targets(clip, geometry, joints, travel)
+    order = [hm.SIDES.index(foot.side) for foot in geometry.feet]
+    heights = np.stack([ankle[:, 2] for ankle, _, _ in feet], axis=1)
+    contacts = plan_contacts(detected[:, order], heights, timeline.hold, timeline.fps)
+    contacts = prolong_double_support(contacts, timeline.fps, double_support_s(geometry.hip_height))
+    paths = [FootPath(*foot, contacts[:, i]) for i, foot in enumerate(feet)]
     corners = [_corners_from_ankle(foot) for foot in geometry.feet]
     paths = spread_footholds(paths, corners, TURNED_GAP * float(np.ptp(corners[0][:, 1])))
     return [
@@ -272,26 +280,34 @@ def _beyond_reach(geometry: RobotGeometry, points: Floats, feet: list[FootPath],
 
     A straight leg has no way to move its foot along itself, so its joints jump.
     """
-    pelvis = points[:, geometry.followed.index("pelvis")]
     deficit = np.zeros(len(points))
-    for foot, path in zip(geometry.feet, feet, strict=True):
-        hip = geometry.points[f"{foot.side}_hip"] - geometry.points["pelvis"]
-        across = pelvis + hip[2] * np.array([0, 0, 1]) + path.rotation @ [0.0, hip[1], 0.0] - path.ankle
-        length = LONGEST_LEG * geometry.length(f"{foot.side}_hip", f"{foot.side}_knee", f"{foot.side}_ankle")
-        flat = np.minimum(np.linalg.norm(across[:, :2], axis=1), 0.8 * length)
-        needed = np.maximum(across[:, 2] - np.sqrt(length**2 - flat**2), 0)
+    for i, path in enumerate(feet):
+        needed = reach_deficit(geometry, points, i, path.ankle, path.rotation)
         near = maximum_filter1d(path.contact.astype(float), 2 * round(LANDING_S * fps) + 1)
         deficit = np.maximum(deficit, needed * near)
     width = round(LANDING_S * fps)
     return gaussian_filter1d(maximum_filter1d(deficit, 4 * width + 1), width)
 
 
+def reach_deficit(geometry: RobotGeometry, points: Floats, i: int, ankle: Floats, rotation: Floats) -> Floats:
+    """(N,) m by which the hip above foot `i`, with its `ankle` (N, 3) and `rotation` (N, 3, 3), is out of its reach."""
+    foot, pelvis = geometry.feet[i], points[:, geometry.followed.index("pelvis")]
+    hip = geometry.points[f"{foot.side}_hip"] - geometry.points["pelvis"]
+    across = pelvis + hip[2] * np.array([0, 0, 1]) + rotation @ [0.0, hip[1], 0.0] - ankle
+    length = LONGEST_LEG * geometry.length(f"{foot.side}_hip", f"{foot.side}_knee", f"{foot.side}_ankle")
+    flat = np.minimum(np.linalg.norm(across[:, :2], axis=1), 0.8 * length)
+    return np.maximum(across[:, 2] - np.sqrt(length**2 - flat**2), 0)
+
+
 def _corners_from_ankle(foot: Foot) -> Floats:
     return (foot.corners - foot.ankle) @ foot.reference.T
 
 
-def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floats) -> tuple[Floats, Floats]:
-    """(N, P, 3) points and (N, K, 3, 3) rotations of the robot's own proportions in the human's pose."""
+def body_targets(clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floats) -> tuple[Floats, Floats]:
+    """(N, P, 3) points and (N, K, 3, 3) rotations of the robot's own proportions in the human's pose.
+
+    Rotations are against the standing pose. A head turns and bows as the human's.
+    """
     robot, standing = geometry.robot, geometry.points
     pelvis_rotation, torso_rotation = hm.pelvis_rotation(joints), hm.torso_rotation(joints)
     share = np.full(len(joints), robot.torso_lean)
@@ -311,6 +327,8 @@ def _body(clip: HumanClip, geometry: RobotGeometry, joints: Floats, travel: Floa
         for parent, child in pairwise(chain):
             points[child] = points[parent] + _limb(geometry, joints, parent, child)
     rotations = {"pelvis": pelvis_rotation, "torso": torso_rotation}
+    if "head" in geometry.frames:
+        rotations["head"] = hm.head_rotation(joints)
     return (
         np.stack([points[name] for name in geometry.followed], axis=1),
         np.stack([rotations[name] for name in geometry.frames], axis=1),
@@ -339,6 +357,8 @@ def _standing(geometry: RobotGeometry, feet: list[FootPath], weight: Floats) -> 
 
 def _blend(first: Floats, second: Floats, share: Floats) -> Floats:
     """Rotations (N, K, 3, 3) `share` (N,) of the way from `first` to `second`, along the shortest turn."""
+    if np.all(share == 1):
+        return second
     frames, count = second.shape[:2]
     a = Rotation.from_matrix(first.reshape(-1, 3, 3))
     b = Rotation.from_matrix(second.reshape(-1, 3, 3))
