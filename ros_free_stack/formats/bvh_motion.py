@@ -2,8 +2,8 @@
 
 Reading: the skeleton is known by its joints' names, or by a mapping of the user's. BVH states neither its unit nor
 which way is up. The unit is the one in which thigh and shin together measure 0.55 to 1.15 m, as every grown person's
-do; among the five units in use no two fit one length. Up is y or z, whichever the mean way from ankles to head goes
-along.
+do; among the five units in use no two fit one length. Up is y or z, whichever the mean way from ankles to head clearly
+goes along; where that is not clear, as in files of that skeleton usually.
 
 Writing: y up, centimetres, 22 joints, the first frame as rest pose. Where the lengths of bones vary so much that
 turning rigid bones would miss a joint by more than 0.05 mm, every joint gets position channels too.
@@ -63,7 +63,7 @@ def read(path: Path, options: SourceOptions) -> Source:
         notes += (f"the first {family.lead} frames are no capture and left out",)
     joints = select(names, positions(replace(data, values=data.values[family.lead :])), family.weights)
     units = options.units or _guess_units(path, joints)
-    up = options.up or _guess_up(path, joints)
+    up = options.up or _guess_up(path, joints, family)
     notes += (f"skeleton: {family.name}; lengths in {units}, {up} up",)
     joints = METRES[units] * (from_y_up(joints) if up == "y" else joints)
     if not family.placed:
@@ -123,12 +123,15 @@ def _guess_units(path: Path, joints: Floats) -> Units:
     )
 
 
-def _guess_up(path: Path, joints: Floats) -> UpAxis:
+def _guess_up(path: Path, joints: Floats, family: Family) -> UpAxis:
+    """The axis that the person stands along; that of the skeleton's own files where the person only lies."""
     ankles = joints[:, [INDEX["left_ankle"], INDEX["right_ankle"]]].mean(axis=1)
     _, y, z = np.abs((joints[:, INDEX["head"]] - ankles).mean(axis=0))
-    if max(y, z) < UPRIGHT * min(y, z):
+    if max(y, z) >= UPRIGHT * min(y, z):
+        return "y" if y > z else "z"
+    if family.up is None:
         raise InvalidOption("--up", f"name the up axis of {path} (y or z): it cannot be told from how the person lies")
-    return "y" if y > z else "z"
+    return family.up
 
 
 def _check_sides(path: Path, joints: Floats) -> None:

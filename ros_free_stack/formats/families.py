@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from ros_free_stack.formats.skeleton_map import ASF, DAZ, SUBJECT_131, Weights, weights
+from ros_free_stack.formats.source import UpAxis
 from ros_free_stack.skeleton import JOINT_NAMES
 
 
@@ -17,6 +18,7 @@ class Family:
         weights: where HumanML3D's 22 joints lie between the skeleton's own.
         marks: further joints that only this skeleton has.
         lead: frames at the start of its files that were not captured (a T-pose and a way from it).
+        up: the up axis of its files as published; None where programs write them either way.
         placed: whether its files stand on the floor, at the origin and facing forward already.
     """
 
@@ -24,6 +26,7 @@ class Family:
     weights: Weights
     marks: tuple[str, ...] = ()
     lead: int = 0
+    up: UpAxis | None = None
     placed: bool = False
 
     def fits(self, names: Sequence[str]) -> bool:
@@ -52,10 +55,11 @@ CMU_LEAD: Final = 7
 """Frames at the start of CMU's BVH files that were not captured: a T-pose, and a smoothed way from it."""
 
 FAMILIES: Final = (
-    Family("this project's own skeleton", weights(**{name: name for name in JOINT_NAMES}), placed=True),
+    Family("this project's own skeleton", weights(**{name: name for name in JOINT_NAMES}), up="y", placed=True),
     Family(
         "LaFAN1",
         weights(**_MOTIONBUILDER_TRUNK, **_MOTIONBUILDER_ARMS, **_MOTIONBUILDER_LEGS, foot="{side}Toe"),
+        up="y",
     ),
     Family(
         "Mixamo",
@@ -76,6 +80,7 @@ FAMILIES: Final = (
             foot="{side}ToeBase",
             **_MOTIONBUILDER_ARMS,
         ),
+        up="y",
     ),
     Family(
         "Xsens",
@@ -96,6 +101,7 @@ FAMILIES: Final = (
             wrist="{side}Wrist",
         ),
         marks=("Chest4",),
+        up="y",
     ),
     Family(
         "CMU, for MotionBuilder",
@@ -115,9 +121,10 @@ FAMILIES: Final = (
         ),
         marks=("LowerBack", "LHipJoint"),
         lead=CMU_LEAD,
+        up="y",
     ),
-    Family("CMU, for DAZ", DAZ, lead=CMU_LEAD),
-    Family("CMU, subject 131", SUBJECT_131, marks=("LHipJoint",), lead=CMU_LEAD),
+    Family("CMU, for DAZ", DAZ, lead=CMU_LEAD, up="y"),
+    Family("CMU, subject 131", SUBJECT_131, marks=("LHipJoint",), lead=CMU_LEAD, up="y"),
     Family("CMU, ASF/AMC", ASF),
 )
 """Every known skeleton; the first that fits counts."""

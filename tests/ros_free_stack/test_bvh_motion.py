@@ -93,9 +93,14 @@ def test_what_cannot_be_told_has_to_be_said(tmp_path: Path, person) -> None:
     with pytest.raises(InvalidOption, match=r"--units: name the unit of .*\(m, cm, mm, inch, cmu\)"):
         read(giant, NO_OPTIONS)
     assert read(giant, SourceOptions(units="m")).content.fps == 20
-    lying = write_rig(tmp_path / "lying.bvh", *rig_points(lafan, joints[..., (1, 0, 2)] * (1, -1, 1)))
+    lying = joints[..., (1, 0, 2)] * (1, -1, 1)
+    usual = read(write_rig(tmp_path / "lying.bvh", *rig_points(lafan, lying)), NO_OPTIONS)
+    assert usual.notes == ("skeleton: LaFAN1; lengths in m, y up",)
+    mixamo = next(family for family in FAMILIES if family.name == "Mixamo")
+    unclear = write_rig(tmp_path / "lying.bvh", *rig_points(mixamo, lying))
     with pytest.raises(InvalidOption, match="--up: name the up axis"):
-        read(lying, NO_OPTIONS)
+        read(unclear, NO_OPTIONS)
+    assert read(unclear, SourceOptions(up="y")).notes == ("skeleton: Mixamo; lengths in m, y up",)
     swapped = write_rig(tmp_path / "swapped.bvh", *rig_points(lafan, joints * (-1, 1, 1)))
     with pytest.raises(InvalidFile, match="left and right are swapped"):
         read(swapped, NO_OPTIONS)
