@@ -23,6 +23,9 @@ LANDING = 0.006
 """Height of a sole, in lengths of a leg, below which a swinging foot is led like one that stands, lest it scrapes."""
 LOW = 0.1
 """Height in lengths of a leg below which a corner of a swinging sole is kept above the floor."""
+LIMB_SHARE = 0.17
+"""What a distance between limbs counts beside one of a sole from the floor: capsules are rounder than limbs, and where
+they must touch, a millimetre is not worth another pose."""
 SMOOTHNESS = 10.0
 """Weight of a joint's change of step at `RATE` frames a second."""
 ROOT_SMOOTHNESS = (100.0, 100.0)
@@ -154,9 +157,9 @@ class ClipProblem:
         swinging = np.repeat(~self._held, CORNERS, axis=1)
         frame, corner = np.nonzero(swinging & (height < LOW * self._length))
         frames = np.concatenate([frame, near.frame])
-        jacobian = np.concatenate([terms["height_jacobian"][frame, corner], near.jacobian])
+        jacobian = np.concatenate([terms["height_jacobian"][frame, corner], LIMB_SHARE * near.jacobian])
         jacobian[:, self._fixed] = 0.0
-        lower = -np.concatenate([height[frame, corner], near.excess])
+        lower = -np.concatenate([height[frame, corner], LIMB_SHARE * near.excess])
         order = np.argsort(frames, kind="stable")
         return SoftRows(frames[order], jacobian[order], lower[order])
 

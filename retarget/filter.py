@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-LESS = 0.9
+LESS = 0.7
 """Share of a former violation that counts as an improvement."""
 LARGEST = 1e-3
 """Mean violation of a frame, m or rad, beyond which no step is taken that makes it worse."""

@@ -1,6 +1,6 @@
 """From a human motion to a robot's trajectory: align, scale, plan footsteps, solve, balance, report."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Literal
 
@@ -11,6 +11,7 @@ from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
 from retarget.held import held_targets, own_pace
 from retarget.human import HumanClip, align
+from retarget.latch import latch
 from retarget.pace import walking_pace
 from retarget.report import RetargetReport, Spread, make_report
 from retarget.solver import FrameSolver, Solution
@@ -67,7 +68,8 @@ class Retargeter:
         targets, stride, slowdown = self._targets(clip, fps)
         times["targets"] = perf_counter() - started
         started = perf_counter()
-        solution, unsolved = self._solve(targets)
+        planned = targets.soles
+        targets, solution, unsolved = self._solve(targets)
         times["solve"] = perf_counter() - started
         excess = None
         if balance and not self._geometry.held:
@@ -79,7 +81,7 @@ class Retargeter:
             report=make_report(
                 self._geometry,
                 targets,
-                solution,
+                replace(solution, foot_error=solution.foot_error + np.linalg.norm(targets.soles - planned, axis=2)),
                 unsolved=unsolved,
                 zmp_outside_cm=excess,
                 stride_scale=stride,
@@ -102,14 +104,14 @@ class Retargeter:
         )
         return make_targets(clip, geometry, plan_timeline(pace, fps), stride), stride, pace.slowdown
 
-    def _solve(
-        self, targets: Targets, com: Floats | None = None, start: Solution | None = None
-    ) -> tuple[Solution, Unsolved]:
-        """A solution, and the stretches of frames that the whole-clip solver could not improve."""
+    def _solve(self, targets: Targets) -> tuple[Targets, Solution, Unsolved]:
+        """Targets with the footholds that were reached, a solution, and the frames that could not be improved."""
+        solution = self._frames.solve(targets)
         if self._clip is None:
-            return self._frames.solve(targets, com), ()
-        found = self._clip.solve(targets, (start or self._frames.solve(targets, com)).qpos, com)
-        return found.solution, found.unsolved
+            return targets, solution, ()
+        targets = latch(self._geometry, targets, solution.qpos)
+        found = self._clip.solve(targets, solution.qpos)
+        return targets, found.solution, found.unsolved
 
     def _balanced(
         self, targets: Targets, solution: Solution, unsolved: Unsolved
@@ -122,7 +124,12 @@ class Retargeter:
         excess = {"before": _spread_cm(zmp_excess(dynamics.zmp, outer))}
         for _ in range(BALANCE_PASSES):
             com = balanced_com(dynamics, wanted, inner, fps)
-            solution, unsolved = self._solve(targets.shifted(com - wanted), com, solution)
+            shifted = targets.shifted(com - wanted)
+            if self._clip is None:
+                solution = self._frames.solve(shifted, com)
+            else:
+                found = self._clip.solve(shifted, solution.qpos, com)
+                solution, unsolved = found.solution, found.unsolved
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
         return solution, unsolved, excess | {"after": _spread_cm(zmp_excess(dynamics.zmp, outer))}
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from retarget.clip_problem import ClipModel, ClipProblem, Point
 from retarget.differences import Stretch, moved
-from retarget.filter import Filter
+from retarget.filter import LESS, Filter
 from retarget.geometry import RobotGeometry
 from retarget.limits import JointBounds
 from retarget.solver import PLANTED_M, PLANTED_RAD, Solution
@@ -31,6 +31,8 @@ GAIN = 0.05
 """Share of the cost that an iteration must gain for another one to follow."""
 TIGHT = 2e-5
 """Mean violation of a frame, m or rad, that counts as none."""
+LEVEL = 1e-3
+"""Share by which cost and violation may grow from one point to the next: rounding, where nothing is left to gain."""
 AT_LIMIT = 1e-5
 """Distance in rad from a limit at which a joint counts as held by it."""
 
@@ -93,25 +95,30 @@ class ClipSolver:
             if then is None:
                 break
             tried.add(then.cost, then.violation)
-            settled = now.cost - then.cost < GAIN * now.cost and then.violation < TIGHT * count
+            firm = then.violation < TIGHT * count or then.violation > LESS * now.violation
+            settled = firm and now.cost - then.cost < GAIN * now.cost
             now = then
             if settled:
                 break
-        tight = now.violation <= max(first.violation, 5 * TIGHT * count)
+        tight = now.violation < 2 * first.violation + 5 * TIGHT * count
         return now.qpos if now is not first and tight else None
 
     def _measured(self, qpos: Floats, targets: Targets) -> Solution:
-        total = len(qpos)
-        parts: list[Point] = []
-        for start in range(0, total, LENGTH):
-            stretch = Stretch(start, min(start + LENGTH, total), total)
-            parts.append(ClipProblem(self._model, targets, None, stretch).evaluate(qpos, qpos[stretch.frames]))
-        distance, angle = np.moveaxis(np.concatenate([part.foot_error for part in parts]), 2, 0)
+        errors: list[Floats] = []
+        points: list[Floats] = []
+        centres: list[Floats] = []
+        for start in range(0, len(qpos), LENGTH):
+            stretch = Stretch(start, min(start + LENGTH, len(qpos)), len(qpos))
+            found = ClipProblem(self._model, targets, None, stretch).evaluate(qpos, qpos[stretch.frames])
+            errors.append(found.foot_error)
+            points.append(found.terms["point_error"][:, 0])
+            centres.append(found.terms["centre_of_mass"][:, 0])
+        distance, angle = np.moveaxis(np.concatenate(errors), 2, 0)
         return Solution(
             qpos=qpos,
-            point_error=np.concatenate([part.terms["point_error"][:, 0] for part in parts]),
+            point_error=np.concatenate(points),
             foot_error=distance,
-            centre_of_mass=np.concatenate([part.terms["centre_of_mass"][:, 0] for part in parts]),
+            centre_of_mass=np.concatenate(centres),
             released=targets.contacts & ((distance > PLANTED_M) | (angle > PLANTED_RAD)),
             limited=self._limited(qpos[:, self._geometry.qpos_index], targets.fps),
         )
@@ -134,7 +141,8 @@ def _step(problem: ClipProblem, clip: Floats, now: Point, increments: Floats, tr
     share = 1.0
     while share >= SHORTEST_STEP:
         then = problem.evaluate(clip, problem.within(moved(now.qpos, share * increments)))
-        if tried.accepts(then.cost, then.violation):
+        level = then.cost < (1 + LEVEL) * now.cost and then.violation < (1 + LEVEL) * now.violation
+        if level or tried.accepts(then.cost, then.violation):
             return then
         share /= 2
     return None
