@@ -10,6 +10,8 @@ from retarget.frame_batch import BatchFunction
 from retarget.geometry import RobotGeometry
 from ros_free_stack.messages import Floats
 
+TOUCH_M = 0.001
+"""Depth of limbs in each other that is left alone: capsules are rounder than limbs."""
 NEAR = 0.12
 """Distance, in lengths of a limb, beyond which two limbs are left alone."""
 
@@ -20,12 +22,13 @@ class Clearances:
 
     Attributes:
         frame: (R,) frame of each pair.
-        excess: (R,) distance over the one to keep, m; negative where it is not kept.
+        room: (R,) m by which they may come nearer: down to the distance to keep, or not at all once they are nearer;
+            negative where they are in each other and have to part.
         jacobian: (R, nv) derivative of the distance.
     """
 
     frame: np.ndarray
-    excess: Floats
+    room: Floats
     jacobian: Floats
 
 
@@ -49,10 +52,12 @@ class Clearance:
     def __call__(self, qpos: Floats) -> Clearances:
         """Clearances of (N, nq) configurations."""
         found = self._function({"qpos": qpos[:, None]})
-        excess = found["distances"][:, 0] - self._margins
-        frame, pair = np.nonzero(excess < self._near)
+        distance = found["distances"][:, 0]
+        frame, pair = np.nonzero(distance < self._near)
+        distance = distance[frame, pair]
+        room = np.maximum(distance - self._margins[pair], 0.0) + np.minimum(distance + TOUCH_M, 0.0)
         lines = found["lines"][frame, pair]
         velocities = found["jacobians"].reshape(len(qpos), -1, 6, found["jacobians"].shape[2])
         between = velocities[frame, self._first[pair]] - velocities[frame, self._second[pair]]
         # A pair parts at the speed of its line against its first limb less that against its second.
-        return Clearances(frame, excess[frame, pair], np.einsum("ri,rij->rj", lines, between))
+        return Clearances(frame, room, np.einsum("ri,rij->rj", lines, between))

@@ -24,8 +24,8 @@ LANDING = 0.006
 LOW = 0.1
 """Height in lengths of a leg below which a corner of a swinging sole is kept above the floor."""
 LIMB_SHARE = 0.17
-"""What a distance between limbs counts beside one of a sole from the floor: capsules are rounder than limbs, and where
-they must touch, a millimetre is not worth another pose."""
+"""What a distance between limbs counts beside one of a sole from the floor: where limbs must touch, a millimetre is not
+worth another pose."""
 SMOOTHNESS = 10.0
 """Weight of a joint's change of step at `RATE` frames a second."""
 ROOT_SMOOTHNESS = (100.0, 100.0)
@@ -159,7 +159,7 @@ class ClipProblem:
         frames = np.concatenate([frame, near.frame])
         jacobian = np.concatenate([terms["height_jacobian"][frame, corner], LIMB_SHARE * near.jacobian])
         jacobian[:, self._fixed] = 0.0
-        lower = -np.concatenate([height[frame, corner], LIMB_SHARE * near.excess])
+        lower = -np.concatenate([height[frame, corner], LIMB_SHARE * near.room])
         order = np.argsort(frames, kind="stable")
         return SoftRows(frames[order], jacobian[order], lower[order])
 
