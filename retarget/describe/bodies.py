@@ -6,8 +6,7 @@ from itertools import combinations, product
 import mujoco
 import numpy as np
 
-from retarget.collision import nearest_points
-from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
+from retarget.describe.capsules import distance_outside, exact_capsule, fit_capsules, hull_surface
 from retarget.describe.shapes import body_points, collides
 from retarget.describe.tree import Tree
 from ros_free_stack.couplings import joint_couplings, settle
@@ -34,7 +33,8 @@ def fit_bodies(tree: Tree, progress: Callable[[list[int]], Iterable[int]]) -> di
     twins = mirrored_bodies(tree)
     found: dict[int, tuple[Capsule, ...]] = {}
     for body in progress([body for body in bodies if body not in twins]):
-        found[body] = _cover(hull_surface(tree.model, body, spacing=0.008), SPLIT_ROOM * tree.size)
+        exact = exact_capsule(tree.model, body)
+        found[body] = (exact,) if exact else _cover(hull_surface(tree.model, body, 0.008), SPLIT_ROOM * tree.size)
     for right, left in twins.items():
         if left in found:
             found[right] = tuple(mirrored_capsule(tree, capsule, left, right) for capsule in found[left])
@@ -133,14 +133,31 @@ def _above(tree: Tree, body: int) -> list[int]:
 def _distances(data: mujoco.MjData, ends: list[tuple[int, Capsule, int, Capsule]]) -> Floats:
     def world(bodies: list[int], points: list[tuple[float, float, float]]) -> Floats:
         matrices = data.xmat[bodies].reshape(-1, 3, 3)
-        return (np.einsum("nij,nj->ni", matrices, np.array(points)) + data.xpos[bodies]).T
+        return np.einsum("nij,nj->ni", matrices, np.array(points)) + data.xpos[bodies]
 
     first, second = [a for a, _, _, _ in ends], [b for _, _, b, _ in ends]
     a, b = world(first, [c.start for _, c, _, _ in ends]), world(first, [c.end for _, c, _, _ in ends])
     c, d = world(second, [e.start for *_, e in ends]), world(second, [e.end for *_, e in ends])
     radii = np.array([one.radius + other.radius for _, one, _, other in ends])
-    nearest, other = nearest_points(a, b, c, d)
-    return np.linalg.norm(nearest - other, axis=0) - radii
+    return segment_distances(a, b, c, d) - radii
+
+
+def segment_distances(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    """(M,) distances of segments from a to b and from c to d, (M, 3) each.
+
+    Ericson 2005, "Real-Time Collision Detection", 5.1.9.
+    """
+    u, v, w = b - a, d - c, a - c
+    uu, vv = (np.maximum(_dot(x, x), 1e-12) for x in (u, v))
+    uv, uw, vw = _dot(u, v), _dot(u, w), _dot(v, w)
+    s = np.clip((uv * vw - uw * vv) / np.maximum(uu * vv - uv * uv, 1e-18), 0, 1)
+    t = np.clip((uv * s + vw) / vv, 0, 1)
+    s = np.clip((uv * t - uw) / uu, 0, 1)
+    return np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1)
+
+
+def _dot(x: Floats, y: Floats) -> Floats:
+    return np.einsum("mi,mi->m", x, y)
 
 
 def _cover(surface: Floats, room: float) -> tuple[Capsule, ...]:

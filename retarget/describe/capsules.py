@@ -11,8 +11,8 @@ from retarget.describe.shapes import body_geoms, geom_points
 from ros_free_stack.messages import Floats
 from ros_free_stack.robots import Capsule
 
-RESTARTS = 3
-"""A simplex that has shrunk onto a ridge goes on from a fresh one."""
+RESTARTS = 2
+"""A simplex that has shrunk onto a ridge goes on from a fresh one, so many times."""
 
 
 def fit_capsules(surface: Floats, cells: tuple[int, int, int] = (1, 1, 1)) -> tuple[Capsule, ...]:
@@ -28,6 +28,21 @@ def fit_capsules(surface: Floats, cells: tuple[int, int, int] = (1, 1, 1)) -> tu
         if len(inside) > 3:
             found.append(_least_capsule(inside))
     return tuple(found)
+
+
+def exact_capsule(model: mujoco.MjModel, body: int) -> Capsule | None:
+    """The capsule that a body's only shape is, a sphere or a capsule; else None."""
+    geoms = body_geoms(model, body)
+    round_shapes = (int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_CAPSULE))
+    if len(geoms) != 1 or int(model.geom_type[geoms[0]]) not in round_shapes:
+        return None
+    geom = geoms[0]
+    capsule = int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_CAPSULE)
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
+    half = rotation.reshape(3, 3)[:, 2] * model.geom_size[geom, 1] * capsule
+    (x, y, z), (u, v, w) = ((model.geom_pos[geom] + side * half).round(4).tolist() for side in (-1, 1))
+    return Capsule((x, y, z), (u, v, w), float(np.ceil(1e4 * model.geom_size[geom, 0]) / 1e4))
 
 
 def hull_surface(model: mujoco.MjModel, body: int, spacing: float = 0.004) -> Floats:
@@ -63,16 +78,15 @@ def _least_capsule(points: Floats) -> Capsule:
         radius = _to_segment(corners, start, end).max()
         return float(radius**2 * (np.linalg.norm(end - start) + 4 / 3 * radius)) / scale**3
 
-    best, least = np.zeros(6), np.inf
-    for axis in principal:
-        reach = 0.3 * np.ptp(points @ axis) * axis
-        ends = np.concatenate([centre - reach, centre + reach])
-        for _ in range(RESTARTS):
-            found = minimize(volume, ends, method="Nelder-Mead", options={"maxfev": 3000, "xatol": 1e-6, "fatol": 1e-9})
-            ends = np.asarray(found.x)
-        if found.fun < least:
-            best, least = np.round(ends, 4), float(found.fun)
-    best = best.reshape(2, 3)
+    def refined(ends: Floats) -> Floats:
+        options = {"maxfev": 3000, "xatol": 1e-6, "fatol": 1e-9}
+        return np.asarray(minimize(volume, ends, method="Nelder-Mead", options=options).x)
+
+    reaches = [0.3 * np.ptp(points @ axis) * axis for axis in principal]
+    best = min((refined(np.concatenate([centre - reach, centre + reach])) for reach in reaches), key=volume)
+    for _ in range(RESTARTS):
+        best = refined(best)
+    best = np.round(best, 4).reshape(2, 3)
     radius = np.ceil(1e4 * _to_segment(corners, best[0], best[1]).max()) / 1e4
     (x, y, z), (u, v, w) = best.tolist()
     return Capsule((x, y, z), (u, v, w), float(radius))

@@ -69,7 +69,7 @@ def kinematics_difference(robot: RobotDescription) -> float:
             data.joint(name).qpos[:] = rng.uniform(robot.joints[name].lower, robot.joints[name].upper)
         settle(model, joint_couplings(model), data.qpos)
         mujoco.mj_kinematics(model, data)
-        ours = np.array(function(data.qpos)).T
+        ours = function(data.qpos).full().T
         theirs = [data.xpos[body] + data.xmat[body].reshape(3, 3) @ np.array(offset) for body, offset in bodies]
         worst = max(worst, float(np.abs(ours - theirs).max()))
     return worst

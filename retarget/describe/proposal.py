@@ -15,7 +15,7 @@ from retarget.describe.shapes import body_points
 from retarget.describe.soles import find_sole
 from retarget.describe.stance import Stance, start_pose
 from retarget.describe.tree import Tree, base_bodies
-from ros_free_stack.errors import UnsupportedModel
+from ros_free_stack.errors import InvalidFile, UnsupportedModel
 from ros_free_stack.messages import Floats, Mount
 from ros_free_stack.robot_model import compiled_spec
 from ros_free_stack.robots import Attachment, Capsule
@@ -74,6 +74,7 @@ def propose(
         UnsupportedModel: it has no joints, or kinds of joints that cannot be described.
     """
     given = given or Given()
+    _check_meshes(spec, path)
     keep_colliding(spec)
     model = compiled_spec(spec, path)
     tree = Tree(model, _base(model, given))
@@ -85,7 +86,7 @@ def propose(
     start, key = start_pose(model)
     joints = actuated_joints(tree)
     ranges, swept = joint_ranges(tree, joints, [start, model.qpos0.copy()])
-    tips = _tips(tree, anatomy)
+    tips = wrist_places(tree, anatomy)
     stance = Stance(tree, ranges, start)
     soles: dict[str, tuple[int, Floats]] = {}
     if mount == "free" and anatomy.legs:
@@ -118,6 +119,13 @@ def propose(
         questions=tuple(q for q in questions if not given.answers(q.key)),
         guessed=_guesses(anatomy, key, tips),
     )
+
+
+def _check_meshes(spec: mujoco.MjSpec, path: Path) -> None:
+    for mesh in spec.meshes:
+        file = path.parent / spec.meshdir / mesh.file
+        if mesh.file and not file.is_file():
+            raise InvalidFile(path, f"lacks the mesh file {file.relative_to(path.parent)}")
 
 
 def keep_colliding(spec: mujoco.MjSpec) -> None:
@@ -169,7 +177,7 @@ def _base(model: mujoco.MjModel, given: Given) -> int:
     return bases[0]
 
 
-def _tips(tree: Tree, anatomy: Anatomy) -> dict[str, tuple[int, Floats]]:
+def wrist_places(tree: Tree, anatomy: Anatomy) -> dict[str, tuple[int, Floats]]:
     """Body and offset (3,) of each wrist: its own joint, else a place along the forearm; the right mirrors the left."""
     if anatomy.arms is None:
         return {}

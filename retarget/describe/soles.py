@@ -9,6 +9,8 @@ SAME_PLANE = 0.995
 """Cosine of the angle within which facets count as one."""
 FACES_DOWN = 0.7
 """Cosine of the largest angle between a sole and the floor in the pose that the model or its keyframe gives."""
+LEAST_AREA = 0.05
+"""Least area of a sole, in squares of the foot's length: less is the underside of something round."""
 THICKNESS = 0.03
 """How far above the plane corners still belong to the sole, in lengths of the foot."""
 
@@ -35,6 +37,8 @@ def find_sole(points: Floats, down: Floats, forward: Floats) -> Floats | None:
     together = facing[normals[facing] @ normals[chosen] > SAME_PLANE]
     normal = (areas[together, None] * normals[together]).sum(axis=0)
     normal /= np.linalg.norm(normal)
+    if grouped[int(np.argmax(grouped))] < LEAST_AREA * np.ptp(points @ forward) ** 2:
+        return None
     heights = points @ normal
     flat = points[heights > heights.max() - THICKNESS * np.ptp(points @ forward)]
     return _rectangle(flat, normal, forward, float(heights.max()))

@@ -53,6 +53,8 @@ def read_description(path: Path) -> RobotDescription:
 
 
 def _problem(error: Exception) -> str:
+    if isinstance(error, FileNotFoundError):
+        return f"no such file: {error.filename}"
     if isinstance(error, KeyError):
         return f"the entry {error} is missing"
     if isinstance(error, yaml.MarkedYAMLError):
