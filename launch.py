@@ -50,6 +50,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "evaluate": ("generator.evaluation.cli:Evaluate", "measure the generator against real motion"),
     "robots list": ("ros_free_stack.cli:RobotsList", "the robots that are described"),
     "robots show": ("ros_free_stack.cli:RobotsShow", "one robot's joints and limits"),
+    "robots add": ("retarget.describe.cli:RobotsAdd", "describe a robot from its MuJoCo model"),
     "servos scan": ("hw.cli:ServosScan", "which servos answer on a port"),
     "servos info": ("hw.cli:ServosInfo", "what each servo is and how it is set"),
     "servos read": ("hw.cli:ServosRead", "position, current, temperature, voltage of each servo"),
