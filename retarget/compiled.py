@@ -6,11 +6,14 @@ import platform
 import shutil
 import subprocess
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import platformdirs
+
+from ros_free_stack.console import say
 
 FLAGS = ("-O1", "-fPIC", "-shared")
 
@@ -49,30 +52,45 @@ class BufferedFunction:
         return self.outputs
 
 
-def compiled(function: ca.Function, cache: Path | None = None) -> ca.Function:
+def compiled(function: ca.Function, folder: Path | None = None) -> ca.Function:
     """The function as machine code, or itself where no C compiler works. Same results, several times faster.
 
     Args:
         function: an SX function.
-        cache: folder of compiled functions, the user's cache folder by default. The key is the hash of the C text,
+        folder: of compiled functions, the user's cache folder by default; the key is the hash of the C text,
             the flags, the compiler's version and the machine, so nothing in it goes stale. Processes may share it:
             a library is compiled under a temporary name and renamed.
     """
     compiler = shutil.which(os.environ.get("CC", "cc"))
     if compiler is None:
+        _warn("no C compiler is found")
         return function
     generator = ca.CodeGenerator(function.name() + ".c")
     generator.add(function)
     text = generator.dump()
     try:
-        folder = cache or platformdirs.user_cache_path("ros-free-stack") / "compiled"
+        folder = folder or platformdirs.user_cache_path("ros-free-stack") / "compiled"
         library = folder / f"{function.name()}-{_key(text, compiler)}.so"
         if not library.is_file():
             folder.mkdir(parents=True, exist_ok=True)
             _compile(compiler, text, library)
         return _load(function, library)
-    except (OSError, subprocess.SubprocessError, RuntimeError):
+    except (OSError, subprocess.SubprocessError, RuntimeError) as error:
+        _warn(_reason(error))
         return function
+
+
+@cache
+def _warn(reason: str) -> None:
+    """One line, once a process."""
+    say(f"retargeting is several times slower, its code was not compiled: {reason}")
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, subprocess.CalledProcessError):
+        lines = error.stderr.decode(errors="replace").strip().splitlines()
+        return lines[-1] if lines else f"the compiler ended with {error.returncode}"
+    return (error.strerror if isinstance(error, OSError) else None) or str(error).splitlines()[0]
 
 
 def _key(text: str, compiler: str) -> str:

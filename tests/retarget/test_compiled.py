@@ -1,3 +1,4 @@
+import errno
 import subprocess
 import sys
 from pathlib import Path
@@ -64,6 +65,31 @@ def test_a_cache_that_cannot_be_written_is_no_error(square, tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     assert compiled(square, blocked / "cache") is square
+
+
+def test_a_full_disk_leaves_nothing_half_written_and_says_so_once(square, tmp_path, monkeypatch, capsys):
+    if compiled(square, tmp_path / "probe") is square:
+        pytest.skip("no C compiler")
+
+    def full(*_args, **_options):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    for _ in range(2):
+        assert compiled(square, tmp_path / "cache") is square
+    assert not list((tmp_path / "cache").iterdir())
+    warnings = capsys.readouterr().err.splitlines()
+    assert len(warnings) == 1 and "No space left on device" in warnings[0]
+
+
+def test_a_compiler_that_fails_leaves_nothing_half_written(square, tmp_path, monkeypatch, capsys):
+    broken = tmp_path / "cc"
+    broken.write_text('#!/bin/sh\n[ "$1" = --version ] && exit 0\necho half > "$6"\necho no room >&2\nexit 1\n')
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    assert compiled(square, tmp_path / "cache") is square
+    assert not list((tmp_path / "cache").iterdir())
+    assert "no room" in capsys.readouterr().err
 
 
 def test_a_damaged_library_is_removed_and_compiled_again(square, tmp_path):
