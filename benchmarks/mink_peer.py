@@ -1,0 +1,130 @@
+"""mink (Zakka 2024) on this project's targets, in two ways, for comparison.
+
+Costs, footholds and the first configuration are those of the frame solver. `equalities` takes three steps a frame with
+joint ranges, speed limits and standing feet as equalities. `loop` is General Motion Retargeting's (Ze et al. 2025):
+two stages of steps that repeat until the error stalls, with ranges but no speed limits.
+"""
+
+from importlib import import_module
+from time import thread_time
+from typing import Any, Final
+
+import numpy as np
+
+from retarget.geometry import RobotGeometry
+from retarget.problem import DAMPING, POINT_WEIGHTS, ROTATION_WEIGHTS, STANCE_WEIGHTS, SWING_WEIGHTS
+from retarget.targets import Targets
+from ros_free_stack.errors import MissingDependency
+from ros_free_stack.messages import Floats
+from ros_free_stack.robot_model import robot_spec
+
+STEPS: Final = 3
+GMR_STEPS: Final = 10
+GMR_STALL: Final = 1e-3
+GMR_GAIN: Final = 50.0
+"""Costs of the loop over those of the other follower, whose steps are of a frame's length."""
+
+
+class Mink:
+    """mink's tasks for one robot: a site at every followed point, sole and body."""
+
+    def __init__(self, geometry: RobotGeometry) -> None:
+        try:
+            self.mink: Any = import_module("mink")
+        except ImportError:
+            raise MissingDependency("mink", "pip install 'ros-free-stack[bench]'") from None
+        mink = self.mink
+        self.geometry = geometry
+        spec = robot_spec(geometry.robot, meshes=False)
+        place: dict[str, tuple[int, Floats]] = {
+            name: (geometry.bodies[name], geometry.offsets[name]) for name in geometry.followed
+        }
+        place |= {f"{name}_frame": (body, np.zeros(3)) for name, body in geometry.frames.items()}
+        place |= {f"{foot.name}_sole": (foot.body, foot.centre) for foot in geometry.feet}
+        for name, (body, offset) in place.items():
+            spec.body(geometry.model.body(body).name).add_site(name=f"target_{name}", pos=offset)
+        self.model = spec.compile()
+        leg = geometry.limb_length
+        kinds = {name: name.removeprefix("left_").removeprefix("right_") for name in geometry.followed}
+        self.tasks = [self._task(name, POINT_WEIGHTS.get(kind, 1.0) / leg, 0.0) for name, kind in kinds.items()]
+        self.tasks += [self._task(f"{name}_frame", 0.0, ROTATION_WEIGHTS.get(name, 1.0)) for name in geometry.frames]
+        soles = [
+            (f"{foot.name}_sole", weights) for foot in geometry.feet for weights in (SWING_WEIGHTS, STANCE_WEIGHTS)
+        ]
+        every = [self._task(name, position / leg, rotation) for name, (position, rotation) in soles]
+        self.swings, self.stances = every[::2], every[1::2]
+        self.holds = [self._task(f"{foot.name}_sole", 1.0, 1.0) for foot in geometry.feet]
+        self.ranges = mink.ConfigurationLimit(self.model)
+        robot = geometry.robot
+        self.speeds = mink.VelocityLimit(self.model, dict(zip(robot.joint_names, robot.velocity[:, None], strict=True)))
+
+    def _task(self, name: str, position: float, rotation: float) -> Any:
+        return self.mink.FrameTask(f"target_{name}", "site", position_cost=position, orientation_cost=rotation)
+
+    def aim(self, targets: Targets, k: int) -> None:
+        """Set every task's target to those of a frame."""
+        points = len(self.geometry.followed)
+        for i, task in enumerate(self.tasks):
+            place = targets.points[k, i] if i < points else np.zeros(3)
+            self._set(task, place, np.eye(3) if i < points else targets.rotations[k, i - points])
+        for i, pair in enumerate(zip(self.swings, self.stances, strict=True)):
+            for task in pair:
+                self._set(task, targets.soles[k, i], targets.sole_rotations[k, i])
+
+    def _set(self, task: Any, place: Floats, rotation: Floats) -> None:
+        turn = self.mink.SO3.from_matrix(rotation)
+        task.set_target(self.mink.SE3.from_rotation_and_translation(turn, place))
+
+    def equalities(self, targets: Targets, first: Floats) -> tuple[Floats, Floats]:
+        """Three steps a frame, with speed limits; feet that stand are held where they touched down."""
+        solve, missing = self.mink.solve_ik, self.mink.NoSolutionFound
+        configuration = self.mink.Configuration(self.model, first)
+        qpos, seconds = np.zeros((len(targets), self.model.nq)), np.zeros(len(targets))
+        pause = 1 / targets.fps / STEPS
+        for k in range(len(targets)):
+            started = thread_time()
+            self.aim(targets, k)
+            held = targets.contacts[k] & targets.contacts[k - 1] if k else np.zeros(len(self.holds), dtype=bool)
+            soles = [(self.stances if stands else self.swings)[i] for i, stands in enumerate(targets.contacts[k])]
+            constraints = [self.holds[i] for i in np.flatnonzero(held)]
+            for _ in range(STEPS):
+                options: dict[str, Any] = {"limits": [self.ranges, self.speeds], "constraints": constraints}
+                try:
+                    velocity = solve(configuration, [*self.tasks, *soles], pause, "daqp", DAMPING, **options)
+                except missing:
+                    options["constraints"] = []
+                    velocity = solve(configuration, [*self.tasks, *soles], pause, "daqp", DAMPING, **options)
+                configuration.integrate_inplace(velocity, pause)
+            for i in np.flatnonzero(targets.contacts[k] & ~held):
+                task = self.holds[i]
+                task.set_target(configuration.get_transform_frame_to_world(task.frame_name, "site"))
+            seconds[k], qpos[k] = thread_time() - started, configuration.q
+        return qpos, seconds
+
+    def loop(self, targets: Targets, first: Floats) -> tuple[Floats, Floats]:
+        """Feet and trunk first, then everything, each until the error stalls; ranges but no speed limits."""
+        trunk = [task for task in self.tasks if "pelvis" in task.frame_name or "torso" in task.frame_name]
+        configuration = self.mink.Configuration(self.model, first)
+        qpos, seconds = np.zeros((len(targets), self.model.nq)), np.zeros(len(targets))
+        for k in range(len(targets)):
+            started = thread_time()
+            self.aim(targets, k)
+            for tasks in ([*trunk, *self.swings], [*self.tasks, *self.swings]):
+                self._until_stalled(configuration, tasks)
+            seconds[k], qpos[k] = thread_time() - started, configuration.q
+        return qpos, seconds
+
+    def _until_stalled(self, configuration: Any, tasks: list[Any]) -> None:
+        pause = self.model.opt.timestep
+
+        def error() -> float:
+            return float(np.linalg.norm(np.concatenate([task.compute_error(configuration) for task in tasks])))
+
+        last = np.inf
+        for _ in range(GMR_STEPS):
+            velocity = self.mink.solve_ik(configuration, tasks, pause, "daqp", DAMPING / GMR_GAIN, limits=[self.ranges])
+            configuration.integrate_inplace(velocity, pause)
+            now = error()
+            if last - now < GMR_STALL:
+                break
+            last = now
