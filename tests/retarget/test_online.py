@@ -76,6 +76,15 @@ def test_same_stream_gives_the_same_bytes_and_nothing_looks_ahead(retargeter, mo
         assert first.root_pos.tobytes() == second.root_pos.tobytes()
 
 
+def test_the_virtual_machine_gives_the_same(motions):
+    here, there = (
+        stream(retargeter, HumanMotion(motions["wave"].joints[:15], 20.0))
+        for retargeter in (RETARGETERS["op3"], OnlineRetargeter(load_robot("op3"), machine_code=False))
+    )
+    for compiled, interpreted in zip(here, there, strict=True):
+        np.testing.assert_allclose(compiled.joint_pos, interpreted.joint_pos, atol=1e-6)
+
+
 def test_heading_and_place_of_the_person_do_not_matter(retargeter, motions):
     turned = np.array(motions["steps"].joints[:40]) @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
     moved = HumanMotion(turned + np.array([3.0, -2.0, 0.4]), 20.0)
