@@ -30,6 +30,7 @@ from generator.foot_lock import lock_feet
 from generator.generate import TOKEN_S, WEIGHTS_FOLDER, MotionGenerator
 from generator.models.conditioning import Condition, uniform_lengths
 from generator.text.domain import Domain
+from generator.text.meanwhile import encode_segments
 from generator.text.splitter import Splitter
 from generator.text.understanding import DOMAIN
 from ros_free_stack.console import say
@@ -109,7 +110,8 @@ class Bench:
         generator.durations(texts[1:], place, torch.full_like(place, len(segments)))
         laps.lap("durations")
         lengths = torch.from_numpy(uniform_lengths(len(segments), MAX_TOKENS)).expand(candidates, -1)
-        condition = Condition(texts[:1].expand(candidates, -1), texts[1:].expand(candidates, -1, -1), lengths)
+        clauses = torch.from_numpy(encode_segments(generator.text_encoder, segments))
+        condition = Condition(texts[:1].expand(candidates, -1), clauses.expand(candidates, -1, -1, -1), lengths)
         base = generator.mask.generate(condition, sampling, noise)
         laps.lap("mask steps")
         tokens = generator.residual.generate(base, condition, sampling, noise)

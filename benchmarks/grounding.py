@@ -23,8 +23,9 @@ from generator.grounding.search import TOKEN_S, ground
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.models.segmentation import boundary_iou
+from generator.text.encoder import TextEncoder
+from generator.text.meanwhile import encode_segments
 from generator.training.segmentation_table import segmentation_table
-from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.console import progress
 
 POOL = 32
@@ -55,16 +56,18 @@ class Embedded:
     lengths: np.ndarray
 
 
-def embed(dataset: MotionDataset, space: AlignedSpace, table: TextTable, count: int) -> list[Embedded]:
+def embed(dataset: MotionDataset, space: AlignedSpace, count: int) -> list[Embedded]:
     """The first test clips, each with its first caption."""
     lengths, found = segmentation_table(dataset, "exact"), []
     chosen = [i for i, clip in enumerate(dataset.clips) if clip.split == "test"][:count]
+    every = [text for number in chosen for text in dataset.clips[number].captions[0].segments]
+    embeddings = iter(space.texts(encode_segments(TextEncoder(), every)).split(1))
     for number in progress(chosen, "embedding clips", total=len(chosen)):
         clip = dataset.clips[number]
         own = lengths[number][: len(clip.segments)]
         tokens = space.tokenizer.encode(torch.from_numpy(dataset.features(clip))[None])
         hidden = space.hidden(tokens[: space.model.config.parts, 0])
-        texts = space.texts(table.embeddings[table.rows(clip.captions[0].segments)])
+        texts = torch.cat([next(embeddings) for _ in clip.segments])
         found.append(Embedded(clip, hidden, texts, space.segments(hidden, own.tolist()), own))
     return found
 
@@ -114,10 +117,9 @@ def main(arguments: Arguments) -> None:
     torch.set_num_threads(arguments.threads)
     dataset, space = MotionDataset.open(arguments.dataset), AlignedSpace.load(arguments.weights)
     known = KnownTexts.load(arguments.weights / "grounding")
-    table = text_table(dataset.path, (text for clip in dataset.clips for c in clip.captions for text in c.segments))
-    embedded = embed(dataset, space, table, arguments.clips)
+    embedded = embed(dataset, space, arguments.clips)
     texts, motions = (torch.cat([getattr(item, name) for item in embedded]) for name in ("texts", "segments"))
-    rows = np.concatenate([table.rows(item.clip.captions[0].segments) for item in embedded])
+    _, rows = np.unique([text for item in embedded for text in item.clip.captions[0].segments], return_inverse=True)
     found = consistency(texts, motions)
     print(f"{len(embedded)} clips, {len(texts)} segments; ISC {found.mean:.3f} (CV {found.variation:.2f})")
     print("\n| retrieval | R@1 | R@5 |\n|---|---|---|")

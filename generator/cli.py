@@ -41,6 +41,8 @@ class Train(Command):
     """Seed of initial weights, batches and noise."""
     resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Go on from the last checkpoint in the output folder."""
+    tune: Path | None = None
+    """Begin with the trained weights of this folder, for example `generator/weights`, instead of random ones."""
 
     def run(self) -> int:
         import torch
@@ -58,7 +60,16 @@ class Train(Command):
                 continue
             torch.manual_seed(self.seed)
             job = Job(
-                stage, dataset, self.preset, self.out, self.iterations, self.minutes, device, self.seed, self.resume
+                stage,
+                dataset,
+                self.preset,
+                self.out,
+                self.iterations,
+                self.minutes,
+                device,
+                self.seed,
+                self.resume,
+                self.tune,
             )
             results[stage] = job.run()
             if not results[stage]["finished"]:

@@ -34,7 +34,7 @@ class TokenizerConfig:
         encoder_width: channels of each part's encoder.
         dilation_growth: dilation of block i is this to the power i.
         codes, code_width, quantizers: codebook entries, their width, and residual layers.
-        parts: what has codes of its own, the "whole" body (MoMask) or its "limbs": legs, trunk, and either arm.
+        parts: what has codes of its own, the "whole" body (MoMask) or its "limbs": legs, trunk, head, and either arm.
         quantizer_dropout: probability that a training batch uses only the first few quantizers.
     """
 
@@ -179,7 +179,7 @@ class Sampling:
     foot_lock: bool = True
 
 
-_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=3, parts=4)
+_SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=3, parts=5)
 _FULL_MASK = TransformerConfig(384, 8, 6, 1024, dropout=0.2, codes=512, quantizers=6)
 
 

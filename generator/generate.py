@@ -27,6 +27,7 @@ from generator.models.tokenizer import MotionTokenizer
 from generator.splice import placed
 from generator.surroundings import CONTEXT_TOKENS, Surroundings
 from generator.text.encoder import TextEncoder
+from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, NoWeights
 from ros_free_stack.messages import HumanMotion, Segment
@@ -214,11 +215,11 @@ class MotionGenerator:
         before, after = around.tokens
         texts = [*[around.before_text][: before > 0], *segments, *[around.after_text][: after > 0]]
         sentence = prompt if len(texts) == len(segments) else ", then ".join(texts)
-        embeddings = self._texts([sentence, *texts])
+        clauses = torch.from_numpy(encode_segments(self.text_encoder, texts)).to(device)
         whole = [np.array([*[before][: before > 0], *row, *[after][: after > 0]]) for row in lengths]
         condition = Condition(
-            embeddings[:1].expand(len(whole), -1),
-            embeddings[1:].expand(len(whole), -1, -1),
+            self._texts([sentence]).expand(len(whole), -1),
+            clauses.expand(len(whole), -1, -1, -1),
             stack_lengths(whole).to(device),
         )
         with torch.inference_mode():

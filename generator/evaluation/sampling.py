@@ -14,6 +14,7 @@ from generator.evaluation.pairs import Features, Pair
 from generator.generate import MotionGenerator
 from generator.models.conditioning import Condition, stack_lengths, uniform_lengths
 from generator.models.durations import whole_tokens
+from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import progress
 from ros_free_stack.skeleton import FPS
 
@@ -34,6 +35,9 @@ class BatchSampler:
         self._device = generator.tokenizer.mean.device
         self._embeddings = torch.from_numpy(embeddings).to(self._device)
         self._row = {text: row for row, text in enumerate(texts)}
+        segments = sorted({text for pair in pairs for text in pair.segments})
+        self._clauses = torch.from_numpy(encode_segments(generator.text_encoder, segments)).to(self._device)
+        self._place = {text: place for place, text in enumerate(segments)}
         self._lengths = [self._segment_lengths(pair) for pair in pairs]
 
     def generate(self, numbers: Sequence[int], *, seed: int, title: str) -> list[Features]:
@@ -65,7 +69,7 @@ class BatchSampler:
 
     def _condition(self, numbers: Sequence[int]) -> Condition:
         chosen = [self._pairs[number] for number in numbers]
-        segments = [self._embed(pair.segments) for pair in chosen]
+        segments = [self._clauses[[self._place[text] for text in pair.segments]] for pair in chosen]
         return Condition(
             self._embed([pair.text for pair in chosen]),
             torch.nn.utils.rnn.pad_sequence(segments, batch_first=True),

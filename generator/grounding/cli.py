@@ -33,6 +33,7 @@ class Ground(Command):
         from generator.grounding.search import TOKEN_S, ground, similarity_map
         from generator.grounding.space import AlignedSpace
         from generator.text.encoder import TextEncoder
+        from generator.text.meanwhile import encode_segments
         from generator.text.splitter import Splitter
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion
@@ -45,7 +46,7 @@ class Ground(Command):
         if not 1 <= length <= len(hidden):
             longest = len(hidden) * TOKEN_S
             raise InvalidOption("--window", f"must be {TOKEN_S:g} to {longest:g} s here, found {self.window:g}")
-        embedded = space.texts(TextEncoder().encode_sentences(texts))
+        embedded = space.texts(encode_segments(TextEncoder(), texts))
         found = ground(space, hidden, embedded)
         if self.out:
             from generator.grounding.figure import draw_similarity

@@ -74,7 +74,7 @@ class AlignedSpace:
         """Hidden tokens (n, W) of a motion's base tokens (P, n), none masked, no text seen."""
         none = torch.zeros(1, dtype=torch.bool)
         condition = Condition(
-            torch.zeros(1, TEXT_WIDTH), torch.zeros(1, 1, TEXT_WIDTH), torch.tensor([[tokens.shape[1]]])
+            torch.zeros(1, TEXT_WIDTH), torch.zeros(1, 1, 2, TEXT_WIDTH), torch.tensor([[tokens.shape[1]]])
         )
         with torch.inference_mode():
             return self.model(tokens[:, None].long(), condition, none, none).hidden[0]
@@ -91,8 +91,8 @@ class AlignedSpace:
             return self.model.alignment.embed(windows.mean(-1), windows.amax(-1))
 
     def texts(self, embeddings: np.ndarray) -> Tensor:
-        """(N, W) of sentence embeddings (N, 384) of segment texts."""
+        """(N, W) of the embeddings (N, 2, 384) of segment texts' clauses, see `generator.text.meanwhile`."""
         conditioning = self.model.conditioning
         with torch.inference_mode():
-            white = conditioning.white_segment(torch.from_numpy(np.asarray(embeddings, dtype=np.float32)))
-            return self.model.alignment.text_embeddings(conditioning.segment(white))
+            clauses = conditioning.clauses(torch.from_numpy(np.asarray(embeddings, dtype=np.float32)))
+            return self.model.alignment.text_embeddings(conditioning.segment(clauses))

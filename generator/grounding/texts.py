@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Self
 
-import numpy as np
 from torch import Tensor
 
 from generator.data.dataset import MotionDataset
 from generator.grounding.space import AlignedSpace
-from generator.training.text_cache import text_table
+from generator.text.encoder import TextEncoder
+from generator.text.meanwhile import encode_segments
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
 
@@ -33,9 +33,7 @@ class KnownTexts:
             text for clip in dataset.split("train") for caption in clip.captions for text in caption.segments
         )
         texts = tuple(sorted(text for text, _ in counts.most_common(LIMIT)))
-        every = (text for clip in dataset.clips for caption in clip.captions for text in caption.segments)
-        table = text_table(dataset.path, every)
-        return cls(texts, space.texts(table.embeddings[table.rows(texts)].astype(np.float32)))
+        return cls(texts, space.texts(encode_segments(TextEncoder(), texts)))
 
     def nearest(self, segments: Tensor, count: int) -> list[list[tuple[str, float]]]:
         """The `count` most similar texts of each motion segment (A, W) with their cosines, the best first."""

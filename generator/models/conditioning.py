@@ -33,7 +33,8 @@ class Condition:
 
     Attributes:
         sentence: (B, 384) sentence embeddings.
-        segments: (B, A, 384) embeddings of the segments' texts; rows beyond a motion's segments do not matter.
+        segments: (B, A, 2, 384) embeddings of each segment's main clause and of what happens meanwhile, zero where
+            nothing does; rows beyond a motion's segments do not matter.
         lengths: (B, A) tokens of each segment, 0 beyond a motion's segments.
     """
 
@@ -82,7 +83,7 @@ class Condition:
     def repeated(self, times: int) -> Self:
         """The whole batch `times` over."""
         return type(self)(
-            self.sentence.repeat(times, 1), self.segments.repeat(times, 1, 1), self.lengths.repeat(times, 1)
+            self.sentence.repeat(times, 1), self.segments.repeat(times, 1, 1, 1), self.lengths.repeat(times, 1)
         )
 
     def __getitem__(self, rows: Tensor) -> Self:
@@ -137,6 +138,19 @@ class Conditioning:
     segments: Tensor
 
 
+class ClauseProjection(nn.Module):
+    """(..., 2, 384) whitened clauses of segments to (..., W): each clause has its own projection, which add up."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.main = nn.Linear(TEXT_WIDTH, width)
+        self.meanwhile = nn.Linear(TEXT_WIDTH, width, bias=False)
+
+    def forward(self, clauses: Tensor) -> Tensor:
+        main, meanwhile = clauses.unbind(-2)
+        return self.main(main) + self.meanwhile(meanwhile)
+
+
 class SegmentConditioning(nn.Module):
     """Conditioning of the mask and residual transformers, of width W; `reads` is a TransformerConfig.conditioning."""
 
@@ -147,10 +161,10 @@ class SegmentConditioning(nn.Module):
         self.sentence = nn.Linear(TEXT_WIDTH, width)
         if reads != "sentence":
             self.white_segment = WhitenedText()
-            self.segment = nn.Linear(TEXT_WIDTH, width)
+            self.segment = ClauseProjection(width)
             self.prefix_number = _small_table(width)
         if reads == "layout":
-            self.local = nn.Linear(TEXT_WIDTH, width)
+            self.local = ClauseProjection(width)
             self.local_number = _small_table(width)
             self.progress = nn.Linear(2 * PROGRESS_WAVES + 6 * len(TOKEN_WAVELENGTHS), width)
 
@@ -168,19 +182,23 @@ class SegmentConditioning(nn.Module):
         nothing = sentence.new_zeros(1, 1, 1)
         if self.reads == "sentence":
             return Conditioning(prefix, condition.segment_mask[:, :1], nothing, sentence, sentence[:, None][:, :0])
-        white = self.white_segment(condition.segments)
-        segments = self.segment(white)
+        clauses = self.clauses(condition.segments)
+        segments = self.segment(clauses)
         numbered = segments + self.prefix_number.weight[: segments.shape[1]]
         keep = keep_text[:, None, None].to(segments.dtype)
         prefix = torch.cat([prefix, numbered * keep], dim=1)
         prefix_mask = functional.pad(condition.segment_mask, (1, 0), value=True)
-        local = self._local(white, keep, condition) if self.reads == "layout" else nothing
+        local = self._local(clauses, keep, condition) if self.reads == "layout" else nothing
         return Conditioning(prefix, prefix_mask, local, sentence, segments)
 
-    def _local(self, white: Tensor, keep: Tensor, condition: Condition) -> Tensor:
-        """(B, T, W) what each token is told of its own segment, from the segments' whitened texts (B, A, 384)."""
+    def clauses(self, embeddings: Tensor) -> Tensor:
+        """Whitened (..., 2, 384) texts of segments; what is absent stays zero."""
+        return self.white_segment(embeddings) * embeddings.any(-1, keepdim=True)
+
+    def _local(self, clauses: Tensor, keep: Tensor, condition: Condition) -> Tensor:
+        """(B, T, W) what each token is told of its own segment, from the whitened clauses (B, A, 2, 384)."""
         number = condition.segment_of
-        texts = self.local(white) * keep
+        texts = self.local(clauses) * keep
         own_text = texts.gather(1, number[..., None].expand(-1, -1, texts.shape[-1]))
         return own_text + self.local_number(number) + self.progress(_progress(condition))
 

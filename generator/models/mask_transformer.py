@@ -1,6 +1,7 @@
 """The mask transformer: fills in masked base tokens, and generates them from nothing but masks."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -8,10 +9,11 @@ from torch import Tensor, nn
 
 from generator.config import MAX_TOKENS, Sampling, TransformerConfig
 from generator.models.alignment import SegmentAlignment
-from generator.models.conditioning import Condition, SegmentConditioning
+from generator.models.conditioning import Condition, Conditioning, SegmentConditioning
 from generator.models.layers import Transformer
 
 RANDOM_SHARE, MASK_SHARE = 0.1, 0.88
+EMBEDDING_STD = 0.02
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,24 @@ class MaskTransformer(nn.Module):
         )
         self.output = nn.Linear(width, config.parts * config.codes)
         self.alignment = SegmentAlignment(width)
-        nn.init.normal_(self.embedding.weight, std=0.02)
+        nn.init.normal_(self.embedding.weight, std=EMBEDDING_STD)
+
+    @torch.no_grad()
+    def start_from(self, codebooks: Tensor) -> None:
+        """Let codes that mean almost the same begin with almost the same embeddings and scores.
+
+        The tokenizer's base codes (P, K, D) are projected at random, which keeps their distances (Johnson and
+        Lindenstrauss 1984). Training would have to find them out from how codes are used.
+        """
+        parts, codes, _ = codebooks.shape
+        centred = codebooks - codebooks.mean(1, keepdim=True)
+        unit = centred / centred.square().sum(-1, keepdim=True).mean(1, keepdim=True).sqrt()
+
+        def projected() -> Tensor:
+            return unit @ torch.randn(parts, unit.shape[-1], self.config.width)
+
+        self.embedding.weight.unflatten(0, (parts, -1))[:, :codes] = EMBEDDING_STD * projected()
+        self.output.weight.copy_((self.output.weight.std() * projected()).flatten(0, 1))
 
     @property
     def mask_token(self) -> int:
@@ -61,10 +80,12 @@ class MaskTransformer(nn.Module):
 
     def forward(self, tokens: Tensor, condition: Condition, keep_sentence: Tensor, keep_text: Tensor) -> MaskOutput:
         """Tokens (P, B, T), some of them the mask token, to predictions; for the (B,) flags see SegmentConditioning."""
-        given = self.conditioning(condition, keep_sentence, keep_text)
+        return self._predict(tokens, self.conditioning(condition, keep_sentence, keep_text), condition.token_mask)
+
+    def _predict(self, tokens: Tensor, given: Conditioning, token_mask: Tensor) -> MaskOutput:
         tables = torch.arange(len(tokens), device=tokens.device)[:, None, None] * (self.config.codes + 1)
         motion = self.embedding(tokens + tables).sum(0) + self.position[: tokens.shape[2]] + given.local
-        mask = torch.cat([given.prefix_mask, condition.token_mask], dim=1)
+        mask = torch.cat([given.prefix_mask, token_mask], dim=1)
         hidden = self.transformer(torch.cat([given.prefix, motion], dim=1), mask)[:, given.prefix.shape[1] :]
         logits = self.output(hidden).unflatten(-1, (len(tokens), -1)).permute(2, 0, 1, 3)
         return MaskOutput(logits, hidden, given.sentence, given.segments)
@@ -82,8 +103,9 @@ class MaskTransformer(nn.Module):
         if known is not None:
             tokens = torch.where(known >= 0, known, tokens)
         length = ((tokens == self.mask_token) & valid).sum((0, 2))
+        guided = self._guided(condition, sampling.mask_guidance)
         for step in range(1, sampling.steps + 1):
-            logits = self._guided(tokens, condition, sampling.mask_guidance)
+            logits = guided(tokens)
             drawn, chance = sample(logits, sampling.temperature, sampling.top_k, generator)
             masked = tokens == self.mask_token
             tokens = torch.where(masked, drawn, tokens)
@@ -93,15 +115,19 @@ class MaskTransformer(nn.Module):
             tokens = tokens.masked_fill((_ranks(surety) < again[:, None]) & masked & valid, self.mask_token)
         return tokens.masked_fill(~valid, 0)
 
-    def _guided(self, tokens: Tensor, condition: Condition, scale: float) -> Tensor:
-        """Logits with classifier-free guidance."""
-        keep = torch.ones(tokens.shape[1], dtype=torch.bool, device=tokens.device)
-        if scale == 1:
-            return self(tokens, condition, keep, keep).logits.float()
-        both = torch.cat([keep, ~keep])
-        logits = self(tokens.repeat(1, 2, 1), condition.repeated(2), both, both).logits.float()
-        with_text, without = logits.chunk(2, dim=1)
-        return without + scale * (with_text - without)
+    def _guided(self, condition: Condition, scale: float) -> Callable[[Tensor], Tensor]:
+        """Tokens to logits with classifier-free guidance; what is conditioned on is read once for all steps."""
+        times = 1 if scale == 1 else 2
+        both = condition.repeated(times)
+        keep = torch.arange(len(both.lengths), device=both.lengths.device) < len(condition.lengths)
+        given = self.conditioning(both, keep, keep)
+
+        def logits(tokens: Tensor) -> Tensor:
+            found = self._predict(tokens.repeat(1, times, 1), given, both.token_mask).logits.float()
+            with_text, without = found[:, : len(condition.lengths)], found[:, -len(condition.lengths) :]
+            return without + scale * (with_text - without)
+
+        return logits
 
 
 def sample(logits: Tensor, temperature: float, top_k: float, generator: torch.Generator) -> tuple[Tensor, Tensor]:

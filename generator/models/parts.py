@@ -7,7 +7,7 @@ freely (ParTY, section 3.2, gives arms and legs their own tokens beside holistic
 from typing import Final
 
 from generator.config import PartsKind
-from generator.data.features import CHANNELS
+from ros_free_stack.formats.features import CHANNELS
 
 _JOINTS: Final[dict[str, tuple[str, ...]]] = {
     "legs": (
@@ -15,7 +15,8 @@ _JOINTS: Final[dict[str, tuple[str, ...]]] = {
         "pelvis",
         *(f"{side}_{j}" for side in ("left", "right") for j in ("hip", "knee", "ankle", "foot")),
     ),
-    "trunk": ("spine1", "spine2", "spine3", "neck", "head"),
+    "trunk": ("spine1", "spine2", "spine3"),
+    "head": ("neck", "head"),
     "left arm": ("left_collar", "left_shoulder", "left_elbow", "left_wrist"),
     "right arm": ("right_collar", "right_shoulder", "right_elbow", "right_wrist"),
 }

@@ -56,6 +56,11 @@ class MotionTokenizer(nn.Module):
         )
         self.decoder = _decoder(config, len(self.channels))
 
+    @property
+    def codebooks(self) -> Tensor:
+        """(Q, P, K, D) codes of each layer and part."""
+        return torch.stack([quantizer.codebooks for quantizer in self._quantizers()], dim=1)
+
     def standardise(self, features: Tensor) -> Tensor:
         return (features - self.mean) / self.std
 

@@ -105,11 +105,7 @@ def clauses(doc: "Doc") -> list[Clause]:
 
 
 def _is_head(token: "Token") -> bool:
-    if (
-        token.text in _NEVER_VERBS
-        or _names_exercise(token)
-        or any(child.dep_ == "auxpass" for child in token.children)
-    ):
+    if token.text in _NEVER_VERBS or _names_exercise(token) or any(child.dep_ == "auxpass" for child in token.children):
         return False
     if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS | {"VBG"}):
         return not _is_auxiliary(token)

@@ -14,6 +14,7 @@ from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, Segmentatio
 from generator.data.dataset import Clip, MotionDataset
 from generator.models.conditioning import Condition
 from generator.models.tokenizer import MotionTokenizer
+from generator.text.meanwhile import clauses_at_once
 from generator.training.segmentation_table import segmentation_table
 from generator.training.text_cache import TextTable, text_table
 from generator.training.tokenizer import batches_of_equal_length, feature_batch
@@ -31,7 +32,7 @@ class TokenClip:
         number: its place among all clips of the data set.
         tokens: (Q P, n) int16.
         sentences: (C,) rows of its captions in the table of sentences.
-        segments: (C, A) rows of each caption's segment texts in the table of segments.
+        segments: (C, A, 2) rows of both clauses of each caption's segments in the table of clauses, -1 for none.
     """
 
     number: int
@@ -62,7 +63,8 @@ class TokenCorpus:
 
     Attributes:
         dataset: the data set itself.
-        sentences, segments: embeddings of all captions and of all segment texts.
+        sentences, clauses: embeddings of all captions and of all clauses of segment texts.
+        codebooks: (Q, P, K, D) codes of each layer and part.
         tokenizer: digest of the tokenizer's weights.
     """
 
@@ -71,7 +73,8 @@ class TokenCorpus:
     held: tuple[TokenClip, ...]
     test: tuple[TokenClip, ...]
     sentences: TextTable
-    segments: TextTable
+    clauses: TextTable
+    codebooks: Tensor
     tokenizer: str
 
     @classmethod
@@ -89,7 +92,8 @@ class TokenCorpus:
         place = {clip.id: number for number, clip in enumerate(dataset.clips)}
         captions = [caption for clip in dataset.clips for caption in clip.captions]
         sentences = text_table(dataset.path, (caption.text for caption in captions))
-        segments = text_table(dataset.path, (text for caption in captions for text in caption.segments))
+        pairs = {text: clauses_at_once(text) for caption in captions for text in caption.segments}
+        clauses = text_table(dataset.path, (clause for pair in pairs.values() for clause in pair if clause))
 
         def clips(split: str) -> tuple[TokenClip, ...]:
             chosen = dataset.split(split)
@@ -102,20 +106,29 @@ class TokenCorpus:
                     codes,
                     clip.weight,
                     sentences.rows(caption.text for caption in clip.captions),
-                    np.stack([segments.rows(caption.segments) for caption in clip.captions]),
+                    np.stack([[clauses.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
                 )
                 for clip, codes in zip(chosen, tokens, strict=True)
             )
 
-        return cls(dataset, clips("train"), clips("val"), clips("test"), sentences, segments, saved.digest)
+        return cls(
+            dataset,
+            clips("train"),
+            clips("val"),
+            clips("test"),
+            sentences,
+            clauses,
+            tokenizer.codebooks.cpu(),
+            saved.digest,
+        )
 
     def training_texts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Embeddings (N, 384) of the captions and (M, 384) of the segment texts, once for each training clip's use."""
+        """Embeddings (N, 384) of the captions, once for each clip's use, and (M, 384) of the distinct clauses."""
         sentence_rows = np.concatenate([clip.sentences for clip in self.train])
         segment_rows = np.concatenate([clip.segments.ravel() for clip in self.train])
         return (
             self.sentences.embeddings[sentence_rows].astype(np.float32),
-            self.segments.embeddings[np.unique(segment_rows)].astype(np.float32),
+            self.clauses.embeddings[np.unique(segment_rows[segment_rows >= 0])].astype(np.float32),
         )
 
     def facts(self) -> dict[str, Any]:
@@ -170,9 +183,9 @@ class TokenBatches:
         tokens = nn.utils.rnn.pad_sequence([torch.from_numpy(clip.tokens.T) for clip in clips], batch_first=True)
         rows = [clip.segments[caption] for clip, caption in zip(clips, captions, strict=True)]
         count = max(map(len, rows))
-        segments = np.zeros((len(clips), count, corpus.segments.embeddings.shape[1]), np.float32)
+        segments = np.zeros((len(clips), count, 2, corpus.clauses.embeddings.shape[1]), np.float32)
         for texts, row in zip(segments, rows, strict=True):
-            texts[: len(row)] = corpus.segments.embeddings[row]
+            texts[: len(row)] = corpus.clauses.embeddings[row] * (row >= 0)[..., None]
         sentences = [clip.sentences[caption] for clip, caption in zip(clips, captions, strict=True)]
         numbers = [clip.number for clip in clips]
         condition = Condition(

@@ -33,6 +33,7 @@ class MaskObjective:
         self.name, self.config = name, config
         self.facts = {**corpus.facts(), "training": asdict(training)}
         self.model: Any = MaskTransformer(config)
+        self.model.start_from(corpus.codebooks[0])
         self.model.conditioning.fit(*corpus.training_texts())
         self._training = training
         self._batches = TokenBatches(

@@ -6,11 +6,12 @@ from typing import Final
 
 import torch
 
+from generator import weights
 from generator.config import Preset, Training, preset
 from generator.data.dataset import MotionDataset
 from generator.training.loop import Objective, Run, train
 from ros_free_stack.console import say
-from ros_free_stack.errors import UnknownName
+from ros_free_stack.errors import InvalidOption, UnknownName
 
 STAGES: Final = ("tokenizer", "mask", "residual", "durations", "evaluator", "grounding")
 
@@ -22,6 +23,7 @@ class Job:
     Attributes:
         dataset: folder of the motion data set.
         out: folder of the weights, with one folder a model.
+        tune: folder of trained weights to begin with; none begins with random ones.
     """
 
     stage: str
@@ -33,12 +35,19 @@ class Job:
     device: str
     seed: int
     resume: bool
+    tune: Path | None = None
 
     def run(self) -> dict[str, float]:
-        """Train the stage; the last row of its loss curve."""
+        """Train the stage; the last row of its loss curve.
+
+        Raises:
+            InvalidOption: the weights to begin with speak another tokenizer's tokens.
+        """
         models = preset(self.preset_name)
         training = _training(models, self.stage)
         objective = _objective(self, models)
+        if self.tune is not None:
+            self._begin_with(self.tune / self.stage, objective)
         parameters = sum(parameter.numel() for parameter in objective.model.parameters())
         say(f"{self.stage}: {parameters / 1e6:.2f} M parameters, {objective.facts['clips']} clips, on {self.device}")
         run = Run(self.iterations or training.iterations, self.minutes, self.device, self.seed, self.resume)
@@ -46,6 +55,14 @@ class Job:
         if self.stage == "grounding" and result["finished"]:
             self._embed_known_texts()
         return result
+
+    def _begin_with(self, folder: Path, objective: Objective) -> None:
+        saved = weights.load(folder, self.stage)
+        if saved.facts.get("tokenizer") != objective.facts.get("tokenizer"):
+            raise InvalidOption(
+                "--tune", f"{folder} was trained with another tokenizer than the one in {self.out / 'tokenizer'}"
+            )
+        saved.fill(objective.model)
 
     def _embed_known_texts(self) -> None:
         from generator.grounding.space import AlignedSpace

@@ -24,8 +24,8 @@ class TextTable:
     embeddings: np.ndarray
 
     def rows(self, texts: Iterable[str]) -> np.ndarray:
-        """Rows of the texts, in their order."""
-        return np.array([self.row[text] for text in texts], dtype=np.int64)
+        """Rows of the texts, in their order; -1 for an empty one."""
+        return np.array([self.row[text] if text else -1 for text in texts], dtype=np.int64)
 
 
 def text_table(folder: Path, texts: Iterable[str]) -> TextTable:

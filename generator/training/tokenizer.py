@@ -11,9 +11,9 @@ from torch.nn import functional
 
 from generator.config import TOKEN_FRAMES, TokenizerConfig, Training
 from generator.data.dataset import Clip, MotionDataset
-from generator.data.features import CHANNELS, HUMANML3D
 from generator.models.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.formats.features import CHANNELS, HUMANML3D
 from ros_free_stack.skeleton import BONES
 
 ROOT, YAW, HEIGHT = slice(0, 3), slice(0, 1), slice(3, 4)
@@ -64,9 +64,8 @@ def reconstruction_losses(found: Tensor, target: Tensor, mean: Tensor, std: Tens
     drift = error[..., ROOT].cumsum(1).abs().mean()
     bones = _bone_error(places, (target * std + mean)[..., POSITIONS].unflatten(-1, (-1, 3)))
     feet = _feet_error(found * std + mean, target * std + mean)
-    total = (
-        features + VELOCITY_WEIGHT * velocity.mean() + JOINT_WEIGHT * joints + DRIFT_WEIGHT * drift + FEET_WEIGHT * feet
-    )
+    total = features + VELOCITY_WEIGHT * velocity.mean() + JOINT_WEIGHT * joints + BONE_WEIGHT * bones
+    total = total + DRIFT_WEIGHT * drift + FEET_WEIGHT * feet
     return {"loss": total, "features": features, "joints": joints, "bones": bones, "drift": drift, "feet": feet}
 
 

@@ -21,7 +21,7 @@ from ros_free_stack.errors import InvalidOption
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
     torch.manual_seed(seed)
     table = stack_lengths(lengths)
-    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 384), table)
+    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384), table)
 
 
 def test_places_within_segments() -> None:

@@ -40,7 +40,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("tokenizer", "mask", "residual", "durations", "evaluator"):
         (folder / name).mkdir()
     tokenizer = TokenizerConfig("patch", 16, 8, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs")
-    transformer = TransformerConfig(16, 1, 4, 32, dropout=0.0, codes=32, quantizers=2, parts=4)
+    transformer = TransformerConfig(16, 1, 4, 32, dropout=0.0, codes=32, quantizers=2, parts=5)
     model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
     for books in model.quantizers.buffers():
         if books.ndim == 3:

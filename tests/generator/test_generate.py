@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     folder = tmp_path_factory.mktemp("weights")
     tokenizer = TokenizerConfig("patch", 16, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs")
-    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=4)
+    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=5)
     model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
     for books in model.quantizers.buffers():
         if books.ndim == 3:

@@ -29,7 +29,7 @@ TINY = replace(
     tokenizer=TokenizerConfig("patch", 32, 24, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs"),
     tokenizer_training=TRAINING,
     grounding=TransformerConfig(
-        32, 1, 4, 64, dropout=0.0, codes=32, quantizers=2, parts=4, conditioning="segments", condition_dropout=1.0
+        32, 1, 4, 64, dropout=0.0, codes=32, quantizers=2, parts=5, conditioning="segments", condition_dropout=1.0
     ),
     grounding_training=replace(TRAINING, alignment="batch", ema=0.9),
 )

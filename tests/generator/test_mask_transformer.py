@@ -17,7 +17,7 @@ CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, cod
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
     torch.manual_seed(seed)
     table = stack_lengths(lengths)
-    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 384), table)
+    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384), table)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_masking_shares() -> None:
 
 def test_padding_does_not_reach_the_tokens(model: MaskTransformer) -> None:
     alone, padded = condition([3, 4]), condition([3, 4], [6, 6])
-    padded = Condition(alone.sentence.repeat(2, 1), alone.segments.repeat(2, 1, 1), padded.lengths)
+    padded = Condition(alone.sentence.repeat(2, 1), alone.segments.repeat(2, 1, 1, 1), padded.lengths)
     tokens = torch.randint(24, (PARTS, 2, 12))
     single = model(tokens[:, :1, :7], alone, flags(1), flags(1)).logits[:, 0]
     double = model(tokens, padded, flags(2), flags(2)).logits[:, 0, :7]
@@ -85,8 +85,8 @@ def test_guidance_of_one_is_the_conditional_model(model: MaskTransformer) -> Non
     given, tokens = condition([4, 4]), torch.full((PARTS, 1, 8), 24)
     plain = model(tokens, given, flags(1), flags(1)).logits
     without = model(tokens, given, ~flags(1), ~flags(1)).logits
-    torch.testing.assert_close(model._guided(tokens, given, 1.0), plain)
-    torch.testing.assert_close(model._guided(tokens, given, 3.0), without + 3 * (plain - without), atol=1e-4, rtol=1e-4)
+    torch.testing.assert_close(model._guided(given, 1.0)(tokens), plain)
+    torch.testing.assert_close(model._guided(given, 3.0)(tokens), without + 3 * (plain - without), atol=1e-4, rtol=1e-4)
 
 
 def test_sampling_takes_only_the_best_codes() -> None:
@@ -106,7 +106,7 @@ def test_learns_which_text_means_which_token() -> None:
     lengths = stack_lengths([[4, 3]] * 32)
     for _ in range(60):
         words = torch.randint(4, (32, 2))
-        given = Condition(torch.randn(32, 384), texts[words], lengths)
+        given = Condition(torch.randn(32, 384), texts[words][:, :, None] * torch.tensor([[1.0], [0.0]]), lengths)
         tokens = words.gather(1, given.segment_of)
         tokens = torch.stack([tokens, tokens + 10])
         masked, chosen = mask_tokens(tokens, given.token_mask, 24)
@@ -116,7 +116,8 @@ def test_learns_which_text_means_which_token() -> None:
         loss.backward()
         optimiser.step()
     model.eval()
-    given = Condition(torch.randn(1, 384), texts[torch.tensor([[2, 1]])], stack_lengths([[3, 4]]))
+    told = texts[torch.tensor([[2, 1]])][:, :, None] * torch.tensor([[1.0], [0.0]])
+    given = Condition(torch.randn(1, 384), told, stack_lengths([[3, 4]]))
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
     assert tokens.tolist() == [[[2, 2, 2, 1, 1, 1, 1]], [[12, 12, 12, 11, 11, 11, 11]]]
 
@@ -131,3 +132,16 @@ def test_known_tokens_stay(model: MaskTransformer) -> None:
     assert int(tokens.max()) < 24
     free = model.generate(given, Sampling(), torch.Generator().manual_seed(0), torch.full((PARTS, 2, 11), -1))
     assert torch.equal(free, model.generate(given, Sampling(), torch.Generator().manual_seed(0)))
+
+
+def test_codes_that_are_alike_begin_alike() -> None:
+    torch.manual_seed(0)
+    codebooks = torch.randn(PARTS, 24, 16)
+    codebooks[:, 1] = codebooks[:, 0] + 0.01
+    model = MaskTransformer(CONFIG)
+    mask_embedding = model.embedding.weight.unflatten(0, (PARTS, -1))[:, 24].clone()
+    model.start_from(codebooks)
+    for table in (model.embedding.weight.unflatten(0, (PARTS, -1)), model.output.weight.unflatten(0, (PARTS, -1))):
+        near, far = (table[:, 1] - table[:, 0]).norm(dim=1), (table[:, 2] - table[:, 0]).norm(dim=1)
+        assert (near < 0.1 * far).all()
+    assert torch.equal(model.embedding.weight.unflatten(0, (PARTS, -1))[:, 24], mask_embedding)

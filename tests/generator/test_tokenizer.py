@@ -7,11 +7,11 @@ import pytest
 import torch
 
 from generator.config import FEATURES, PRESETS, TokenizerConfig
-from generator.data.features import CHANNELS, HUMANML3D, decode
 from generator.models.parts import part_channels, part_count
 from generator.models.quantizer import ResidualQuantizer
 from generator.models.tokenizer import MotionTokenizer
-from generator.training.tokenizer import ROOT, YAW, channel_weights, foot_steps, reconstruction_losses
+from generator.training.tokenizer import BONE_WEIGHT, ROOT, YAW, channel_weights, foot_steps, reconstruction_losses
+from ros_free_stack.formats.features import CHANNELS, HUMANML3D, decode
 
 SMALL = replace(PRESETS["small"].tokenizer, width=16, encoder_width=8, code_width=8, codes=32)
 STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3, parts="whole")
@@ -72,11 +72,12 @@ def test_every_feature_belongs_to_one_part() -> None:
     for kind in ("whole", "limbs"):
         parts = part_channels(kind)
         assert sorted(channel for part in parts for channel in part) == list(range(FEATURES))
-    legs, trunk, left, right = part_channels("limbs")
+    legs, trunk, head, left, right = part_channels("limbs")
     assert {CHANNELS[i].split("_")[0] for i in left} == {"left"}
     assert [CHANNELS[i].replace("left", "right", 1) for i in left] == [CHANNELS[i] for i in right]
     assert CHANNELS.index("root_height") in legs
-    assert CHANNELS.index("head_position_up") in trunk
+    assert CHANNELS.index("head_position_up") in head
+    assert CHANNELS.index("spine1_position_up") in trunk
 
 
 def test_a_part_keeps_its_codes_whatever_the_others_do() -> None:
@@ -86,9 +87,9 @@ def test_a_part_keeps_its_codes_whatever_the_others_do() -> None:
             torch.nn.init.normal_(books)
     features = torch.randn(1, 40, FEATURES)
     other = features.clone()
-    other[..., part_channels("limbs")[2]] += 1.0
-    same = (tokenizer.encode(features) == tokenizer.encode(other)).flatten(1).all(1).view(-1, 4).all(0)
-    assert same.tolist() == [True, True, False, True]
+    other[..., part_channels("limbs")[3]] += 1.0
+    same = (tokenizer.encode(features) == tokenizer.encode(other)).flatten(1).all(1).view(-1, 5).all(0)
+    assert same.tolist() == [True, True, True, False, True]
 
 
 def test_root_channels_weigh_most() -> None:
@@ -141,6 +142,7 @@ def test_a_nod_costs_more_in_bones_than_in_joints() -> None:
     target[:, ::2, head], target[:, 1::2, head] = 0.02, -0.02
     still = torch.zeros(1, 8, FEATURES)
     losses = reconstruction_losses(still, target, mean, std)
+    assert float(losses["loss"]) > BONE_WEIGHT * float(losses["bones"])
     assert float(losses["joints"]) == pytest.approx(0.02 / 21, abs=2e-4)
     assert float(losses["bones"]) == pytest.approx(1 / 18, rel=0.2)
 

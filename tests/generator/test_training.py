@@ -26,6 +26,7 @@ from generator.config import (
 from generator.data.dataset import MotionDataset
 from generator.models.conditioning import uniform_lengths
 from generator.models.tokenizer import MotionTokenizer
+from generator.text.meanwhile import clauses_at_once
 from generator.training import loop
 from generator.training.batches import BUCKET, TokenBatches, TokenCorpus
 from generator.training.loop import Run, train
@@ -36,7 +37,7 @@ from generator.training.tokenizer import TokenizerObjective
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights, UnknownName
 from tests.generator.tiny_dataset import write_tiny_dataset
 
-_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=4)
+_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=5)
 _TRAINING = replace(PRESETS["small"].mask_training, batch=8, iterations=12, warm_up=2)
 TINY = Preset(
     tokenizer=TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs"),
@@ -174,8 +175,9 @@ def test_batches_hold_the_clips_tokens_texts_and_boundaries(dataset: MotionDatas
     assert torch.equal(torch.from_numpy(tokens).long(), expected)
     assert torch.equal(batch.tokens[:, 1, : tokens.shape[1]], expected)
     assert batch.condition.lengths[1].tolist()[: len(clip.segments)] == [7] * (len(clip.segments) - 1) + [6]
-    row = corpus.segments.row[clip.segments[0].text]
-    assert np.array_equal(batch.condition.segments[1, 0].numpy(), corpus.segments.embeddings[row].astype(np.float32))
+    for clause, found in zip(clauses_at_once(clip.segments[0].text), batch.condition.segments[1, 0], strict=True):
+        known = corpus.clauses.embeddings[corpus.clauses.row[clause]] if clause else np.zeros(384)
+        assert np.array_equal(found.numpy(), known.astype(np.float32))
     shares = uniform_lengths(len(clip.segments), tokens.shape[1])
     assert batch.motion_segments[1].tolist()[: len(clip.segments)] == shares.tolist()
     uniform = TokenBatches(corpus, batch=4, layout="uniform", segmentation="exact", seed=0).collate(
@@ -205,6 +207,19 @@ def test_every_conditioning_and_alignment_can_be_trained(
         name for name, values in objective.model.named_parameters() if values.grad is None and "alignment" not in name
     }
     assert not without
+
+
+def test_tuning_begins_with_trained_weights(dataset: MotionDataset, tmp_path: Path) -> None:
+    trained, tuned, other = tmp_path / "trained", tmp_path / "tuned", tmp_path / "other"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(PRESETS, "tiny", TINY)
+        assert Job("tokenizer", dataset, "tiny", trained, 60, None, "cpu", 0, False).run()["finished"]
+        assert Job("mask", dataset, "tiny", trained, 1, None, "cpu", 0, False).run()["finished"]
+        assert Job("tokenizer", dataset, "tiny", tuned, 1, None, "cpu", 0, False, tune=trained).run()["finished"]
+        assert float(curve(tuned / "tokenizer")[0]["loss"]) < 0.6 * float(curve(trained / "tokenizer")[0]["loss"])
+        assert Job("tokenizer", dataset, "tiny", other, 1, None, "cpu", 1, False).run()["finished"]
+        with pytest.raises(InvalidOption, match="was trained with another tokenizer"):
+            Job("mask", dataset, "tiny", other, 1, None, "cpu", 0, False, tune=trained).run()
 
 
 def test_texts_are_embedded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
