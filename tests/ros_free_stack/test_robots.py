@@ -142,7 +142,7 @@ def test_op3_servo_map():
 
 
 def test_unknown_robot_lists_the_known():
-    with pytest.raises(UnknownName, match="g1, g1_upper, .*op3"):
+    with pytest.raises(UnknownName, match=r"g1, g1_upper, .*op3"):
         load_robot("r2d2")
 
 
