@@ -237,7 +237,7 @@ ENTRIES = (
     ),
     Entry(
         "sneak",
-        lambda d: {"steps": d.count(3, 6), "speed": d.uniform(0.85, 1.3)},
+        lambda d: {"steps": d.count(3, 6), "speed": d.uniform(0.8, 1.1)},
         (
             "<sneak> forward",
             "<sneak>",
