@@ -88,7 +88,7 @@ PROBES = (
         {"foot.drop": above(1.0), "foot.toe": within(0.1, 0.25), "ahead": within(-0.4, 0.4), "foot.lifts": above(2)},
     ),
     Probe("jog", "feet", {"pace": above(1.2), "ahead": above(1.5), "foot.toe": above(0.1), "airborne": above(0.015)}),
-    Probe("sneak", "", {"pelvis_mid": below(0.93), "ahead": above(0.8), "pitch_mid": above(5), "pace": below(0.8)}),
+    Probe("sneak", "", {"pelvis_mid": below(0.89), "ahead": above(0.8), "pitch_mid": above(1.5), "pace": below(0.8)}),
     Probe(
         "dance",
         "feet",
