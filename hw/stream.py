@@ -117,6 +117,7 @@ def stream(
         HardwareFault: port, bus or servo failed; the servos were stopped.
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
+    mount = robot.mounted(mount)
     check_verdict(trajectory, verdict, robot, mount)
     rig = _rig(robot, joints, calibration)
     rig = rig if safety is None else replace(rig, safety=safety)

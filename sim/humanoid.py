@@ -10,8 +10,11 @@ from typing import Final
 import numpy as np
 
 from ros_free_stack.messages import Floats
+from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
 from sim.reference import Reference
+
+SIDES: Final = ("left", "right")
 
 # Bone lengths in leg lengths: medians over 179 captured takes of the CMU database.
 _THIGH: Final = 0.449
@@ -26,6 +29,16 @@ _SHOULDER: Final = (0.40, 0.19)
 _COLLAR: Final = (0.39, 0.07)
 
 
+_LIMBS: Final = tuple(
+    f"{side}_{name}" for side in SIDES for name in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+)
+
+
+def has_all_limbs(robot: RobotDescription) -> bool:
+    """Whether a robot can be laid on a human skeleton: one without arms or legs cannot."""
+    return robot.attachments.keys() >= set(_LIMBS)
+
+
 def human_joints(reference: Reference) -> Floats:
     """(T, 22, 3) the robot's motion on a human skeleton with legs of unit length."""
     robot = reference.attachments
@@ -37,7 +50,7 @@ def human_joints(reference: Reference) -> Floats:
     joints[:, INDEX["pelvis"]] = pelvis = hips / leg
     for name, height in _SPINE:
         joints[:, INDEX[name]] = pelvis + height * trunk
-    for side in ("left", "right"):
+    for side in SIDES:
         hip_line = _unit(robot[f"{side}_hip"] - hips)
         shoulder_line = _unit(robot[f"{side}_shoulder"] - shoulders)
         put = _placer(joints, side)

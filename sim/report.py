@@ -67,7 +67,7 @@ def write_report(
         "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
         "joints": _png(joints_plot(judgement.reference)),
-        "feet": _png(feet_plot(judgement.reference, judgement.playback)),
+        "feet": _feet(judgement),
         "torque": _torque(judgement),
         "servos": _servos(telemetry),
         "digest": verdict.trajectory_digest[:16],
@@ -85,7 +85,8 @@ def _summary(judgement: Judgement) -> str:
     verdict, playback = judgement.verdict, judgement.playback
     count = len(verdict.checks)
     if verdict.passed:
-        return f"All {count} checks passed" + ("; the robot kept its feet in physics." if playback else ".")
+        kept = playback and verdict.mount == "free"
+        return f"All {count} checks passed" + ("; the robot kept its feet in physics." if kept else ".")
     failed = ", ".join(check.name.replace("_", " ") for check in verdict.failures)
     fell = f" It fell after {playback.fell_at_s:.1f} s." if playback and playback.fell_at_s is not None else ""
     return f"{len(verdict.failures)} of {count} checks failed: {failed}.{fell}"
@@ -128,6 +129,14 @@ def _timings(timings: dict[str, float]) -> str:
         for name, value in timings.items()
     )
     return f"<h2>Time taken</h2><table>{rows}</table>" if rows else ""
+
+
+def _feet(judgement: Judgement) -> str:
+    if not judgement.reference.robot.soles:
+        return ""
+    picture = _png(feet_plot(judgement.reference, judgement.playback))
+    caption = "Height of each sole over the floor; shaded where the foot should stand."
+    return f'<figure><img alt="feet" src="{picture}"><figcaption>{caption}</figcaption></figure>'
 
 
 def _torque(judgement: Judgement) -> str:

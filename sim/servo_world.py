@@ -32,6 +32,7 @@ class ServoWorld:
         """
         if robot.servos is None or not set(robot.joint_names) <= robot.servos.ids.keys():
             raise InvalidOption("--robot", f"{robot.name} has no Dynamixel servo for every joint in its description")
+        mount = robot.mounted(mount)
         self._robot, self.started = robot, False
         self._poses: list[np.ndarray] = []
         self.model = model = judging_model(robot, mount=mount)

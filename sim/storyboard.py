@@ -81,8 +81,8 @@ def _human_row(axes: Any, joints: Floats) -> None:
 
 def _robot_row(axes: Any, reference: Reference, frames: np.ndarray) -> None:
     shapes = body_shapes(reference.model, reference.robot)
-    hips = reference.attachments["left_hip"][0] - reference.attachments["right_hip"][0]
-    view = _view(hips)
+    pair = "hip" if "left_hip" in reference.attachments else "shoulder"
+    view = _view(reference.attachments[f"left_{pair}"][0] - reference.attachments[f"right_{pair}"][0])
     root = reference.model.body(reference.robot.root_body).id
     height, reach = 0.0, 0.0
     colours = body_colours(reference)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from ros_free_stack.messages import Check, RobotTrajectory, Verdict
 from ros_free_stack.robots import RobotDescription
 from sim.checks import coherence, contact, joints, tracking
+from sim.humanoid import has_all_limbs
 from sim.model import Mount, judging_model, size_scale
 from sim.playback import Playback, play
 from sim.reference import Reference, make_reference
@@ -45,6 +46,7 @@ def judge(
     Raises:
         ModelMismatch: the trajectory was made for another model.
     """
+    mount = robot.mounted(mount)
     model = judging_model(robot)
     reference = make_reference(trajectory, robot, model)
     scale = size_scale(robot, model)
@@ -89,6 +91,8 @@ def _kinematic_checks(reference: Reference, limits: dict[str, Threshold], mount:
             contact.foot_skate(reference, limits["foot_skate"]),
             contact.foot_skate_peak(reference, limits["foot_skate_peak"], scale=scale),
         ]
+    if not has_all_limbs(reference.robot):
+        return checks
     return [
         *checks,
         coherence.temporal_coherence(reference, limits["temporal_coherence"]),

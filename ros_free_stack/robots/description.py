@@ -100,6 +100,10 @@ class RobotDescription:
         """J actuated joints, in the model's order; the order of every joint array."""
         return tuple(self.joints)
 
+    def mounted(self, mount: Mount) -> Mount:
+        """The mount that applies where `mount` is asked for: a robot without legs to stand on never is free."""
+        return "fixed" if self.mount == "fixed" else mount
+
     @property
     def foot_names(self) -> tuple[str, ...]:
         return tuple(self.soles)

@@ -12,6 +12,7 @@ import pytest
 from ros_free_stack.errors import InvalidFile, InvalidOption, MissingDependency, ModelMismatch
 from ros_free_stack.files import load_verdict, save_telemetry, save_trajectory
 from ros_free_stack.messages import HumanMotion, Segment, ServoTelemetry
+from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import JOINT_COUNT
 from sim import render
 from sim.cli import Render, Validate
@@ -60,6 +61,14 @@ def test_report_is_whole_and_offline(op3, standing, motion, tmp_path):
     scene = json.loads(data[1])
     assert len(scene["robot"]) == len(scene["simulated"]) == len(scene["human"]) == 50
     assert len(scene["robot"][0]) == judging_model(op3).nbody
+
+
+def test_report_of_arms_on_a_stand_has_no_feet(standing, motion, tmp_path):
+    robot = load_robot("g1_upper")
+    trajectory = standing(robot)
+    text = write_report(tmp_path, motion, trajectory, judge(trajectory, robot), robot).read_text(encoding="utf-8")
+    assert "checks passed." in text
+    assert 'alt="feet"' not in text
 
 
 def test_report_of_a_failure_names_it(g1, standing, tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ros_free_stack.errors import ModelMismatch, UnknownName
+from ros_free_stack.robots import load_robot
 from sim.verdict import judge
 
 
@@ -21,6 +22,21 @@ def test_standing_passes_everything(name, mount, request, standing):
     assert judgement.passed, judgement.verdict.failures
     assert judgement.playback is not None and judgement.playback.fell_at_s is None
     assert judgement.verdict.trajectory_digest == standing(robot).digest
+
+
+def test_arms_on_a_stand_are_judged_without_feet(standing):
+    robot = load_robot("g1_upper")
+    judgement = judge(standing(robot), robot)
+    assert judgement.passed, judgement.verdict.failures
+    assert judgement.verdict.mount == "fixed"
+    assert not {"foot_skate", "fall_height", "spatial_coherence"} & {check.name for check in judgement.verdict.checks}
+
+
+def test_legs_alone_are_judged_without_coherence(standing):
+    robot = load_robot("berkeley")
+    names = {check.name for check in judge(standing(robot), robot, physics=False).verdict.checks}
+    assert "foot_skate" in names
+    assert "temporal_coherence" not in names
 
 
 def test_beyond_the_range(op3, standing):
