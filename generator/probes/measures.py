@@ -279,12 +279,8 @@ class FootMeasures:
         return float(self._knee[self._toe >= 0.75 * self.toe].min())
 
     @cached_property
-    def front_at_top(self) -> float:
-        """The furthest in front while the foot is at least at three quarters of its height."""
-        return float(self._place[self._toe >= 0.75 * self.toe, 0].max())
-
-    @cached_property
     def aside_at_top(self) -> float:
+        """The furthest aside while the foot is at least at three quarters of its height."""
         return float(self._place[self._toe >= 0.75 * self.toe, 1].max())
 
     @cached_property
