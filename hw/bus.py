@@ -121,7 +121,7 @@ class Bus:
         """Raw value of a register.
 
         Raises:
-            LostServo: no answer after three tries.
+            LostServo: no intact exchange in three tries.
             BusFault: the servo refuses.
         """
         item = table[register]
@@ -132,6 +132,8 @@ class Bus:
         for _ in range(_RETRIES):
             with self.guarded():
                 data, result, error = self.packets.readTxRx(self.handler, identity, address, length)
+            if result == COMM_SUCCESS and error & ~ALERT == StatusError.CRC:
+                continue  # the instruction was damaged on its way
             if result == COMM_SUCCESS and len(data) == length:
                 self._refuse(identity, error, f"reading {length} bytes at {address}")
                 return bytes(data)
@@ -147,7 +149,7 @@ class Bus:
         for _ in range(_RETRIES):
             with self.guarded():
                 result, error = self.packets.writeTxRx(self.handler, identity, address, len(data), list(data))
-            if result == COMM_SUCCESS:
+            if result == COMM_SUCCESS and error & ~ALERT != StatusError.CRC:
                 self._refuse(identity, error, f"writing {what or address}")
                 return
         raise LostServo([f"servo {identity}"], f"to a write of {what or f'address {address}'}")

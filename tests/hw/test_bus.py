@@ -82,3 +82,14 @@ def test_a_scan_shows_models_that_the_sdk_does_not_know(virtual: VirtualBus) -> 
 def test_an_odd_baud_rate_is_refused(virtual: VirtualBus) -> None:
     with pytest.raises(InvalidOption, match="123 is not a rate"):
         Bus(virtual.port, 123)
+
+
+def test_an_instruction_that_was_damaged_on_its_way_is_sent_again(virtual: VirtualBus) -> None:
+    with Bus(virtual.port, 2_000_000) as bus:
+        virtual.faults.corrupt_instruction = 0.1
+        for value in range(40):
+            bus.write(1, TABLE, "Goal Current", value)
+            assert bus.read(1, TABLE, "Goal Current") == value
+        virtual.faults.corrupt_instruction = 1.0
+        with pytest.raises(LostServo, match="servo 1"):
+            bus.read(1, TABLE, "Goal Current")
