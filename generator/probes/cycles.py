@@ -29,3 +29,14 @@ def runs(mask: np.ndarray) -> list[tuple[int, int]]:
     """Spans [start, stop) of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def longest_run(mask: np.ndarray) -> tuple[int, int]:
+    """The longest of the `runs`; (0, 0) where there is none."""
+    return max(runs(mask), key=lambda run: run[1] - run[0], default=(0, 0))
+
+
+def span(signal: Floats) -> float:
+    """From low to high without the outermost frames, so that no single one decides."""
+    low, high = np.percentile(signal, [3, 97])
+    return float(high - low)

@@ -4,7 +4,7 @@ The network is BERT: PyTorch's own post-norm transformer layers are exactly its 
 them directly. This spares the seconds that importing `transformers` costs; a test holds the result to that library's.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -187,12 +187,3 @@ class Whitener:
     def apply(self, embeddings: Array) -> Array:
         """Whiten (..., D) embeddings."""
         return np.asarray((embeddings - self.mean) @ self.matrix, np.float32)
-
-    def state(self) -> dict[str, Array]:
-        """The arrays by name, for a safetensors file."""
-        return {"mean": self.mean, "matrix": self.matrix}
-
-    @classmethod
-    def from_state(cls, state: Mapping[str, Array]) -> "Whitener":
-        """The whitener whose `state` this is."""
-        return cls(state["mean"], state["matrix"])
