@@ -25,6 +25,7 @@ from generator.generate import WEIGHTS_FOLDER, MotionGenerator
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
 from generator.probes.named import named
 from generator.probes.signals import Signals
+from generator.ranking import Ranker
 from ros_free_stack.console import progress
 from ros_free_stack.errors import UnknownName
 from ros_free_stack.formats.features import decode
@@ -51,6 +52,8 @@ class Arguments:
     """How many times all kinds of sentence are drawn and generated."""
     sentences: int = 60
     """Sentences of each kind for one seed."""
+    candidates: int = 1
+    """Motions generated for each sentence; the evaluator chooses among them."""
     clips: int = 600
     """Clips of real motion."""
     segments: Literal["given", "split"] = "given"
@@ -163,8 +166,9 @@ def _prompt(kind: str, phrases: list[Phrase], rng: np.random.Generator) -> str:
 
 
 def probe_generated(arguments: Arguments) -> Tally:
-    """Generate every sentence once and probe it."""
+    """Generate every sentence and probe one motion of each."""
     generator = MotionGenerator.load(arguments.weights)
+    ranker = Ranker.load(arguments.weights) if arguments.candidates > 1 else None
     names = tuple(name for name in arguments.actions or tuple(VOCABULARY) if name not in _LEFT_OUT)
     split = _splitter() if arguments.segments == "split" else None
     drawn = [
@@ -179,7 +183,8 @@ def probe_generated(arguments: Arguments) -> Tally:
         if len(texts) != len(sentence.texts):
             tally.add(sentence.kind, sentence.wanted, None)
             continue
-        motion = generator.generate(sentence.prompt, texts, seed=seed, candidates=1)[0]
+        motions = generator.generate(sentence.prompt, texts, seed=seed, candidates=arguments.candidates)
+        motion = motions[int(np.argmin(ranker.distances(sentence.prompt, motions)))] if ranker else motions[0]
         tally.add(sentence.kind, sentence.wanted, _check(motion, sentence.wanted))
     return tally
 
