@@ -316,7 +316,7 @@ class Run(Command):
         from sim.render import render_video
 
         try:
-            render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot)
+            render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot, best.motion)
         except MissingDependency as error:
             say(f"no video: {error}")
             return []

@@ -80,17 +80,23 @@ def _line(check: "Check") -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Render(Command):
-    """Draw a trajectory as a video (needs an OpenGL library: libegl1 or libosmesa6)."""
+    """Draw a trajectory as a video (needs an OpenGL library: libegl1 or libosmesa6).
+
+    Examples:
+        python launch.py render out/run/trajectory.npz --motion out/run/human_motion.npz
+    """
 
     trajectory: Annotated[Path, tyro.conf.Positional]
     """Trajectory (.npz); it names its robot."""
+    motion: Path | None = None
+    """Human motion (.npz) that it was made from, to show beside the robot."""
     out: Path = Path("video.mp4")
     """Video to write (.mp4)."""
 
     def run(self) -> int:
         """Draw the planned motion."""
         from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import load_trajectory, make_folder
+        from ros_free_stack.files import load_motion, load_trajectory, make_folder
         from ros_free_stack.robots import load_robot
         from sim.reference import check_belongs
         from sim.render import render_video
@@ -101,6 +107,7 @@ class Render(Command):
         robot = load_robot(trajectory.robot)
         check_belongs(trajectory, robot)
         make_folder(self.out.parent)
-        render_video(self.out, trajectory, None, robot)
+        motion = None if self.motion is None else load_motion(self.motion)
+        render_video(self.out, trajectory, None, robot, motion)
         self.report({"video": str(self.out)}, str(self.out))
         return 0

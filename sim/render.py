@@ -1,36 +1,42 @@
-"""`video.mp4`: the robot drawn by MuJoCo without a display, quick enough for software OpenGL.
+"""`video.mp4`: human and robot side by side, drawn by MuJoCo without a display, quick enough for software OpenGL.
 
-Menagerie's meshes have up to a million faces; here vertices are merged on a grid of some millimetres, shadows and
-reflections are off, and the result is cached. Frames go to x264 as they are drawn.
+Shadows, reflections, multisampling and the backs of faces cost software OpenGL most of its time and are off. Frames go
+to x264 as they are drawn.
 """
 
-import os
 from collections.abc import Iterator
-from ctypes.util import find_library
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 
-from ros_free_stack.console import say
-from ros_free_stack.errors import MissingDependency
+from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
-from ros_free_stack.messages import Floats, RobotTrajectory
-from ros_free_stack.robot_model import add_floor, robot_spec
+from ros_free_stack.messages import HumanMotion, RobotTrajectory
+from ros_free_stack.robot_model import sole_corners
 from ros_free_stack.robots import RobotDescription
-from sim.model import cached_model, drop_meshes, replace_meshes, size_scale
-from sim.reference import in_robot_order, poses
+from sim.film import Film, make_film
+from sim.gl import gl_context
+from sim.lettering import Lettering
+from sim.looks import extent, visual_model
+from sim.markers import LimitPaint, add_contacts, add_human, add_zmp
 from sim.verdict import Judgement
 
 WIDTH, HEIGHT, FPS = 640, 480, 25
-_CELL_M = 0.012
-"""Vertices in one cell of this size (on G1) become one."""
+PANE_WIDTH = 400
+HUMAN_HEIGHT_M = 1.75
+_AZIMUTH, _ELEVATION = 145, -14
+_DISTANCE = 1.75
+"""Of the camera, in heights of what it looks at."""
 
-_LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}
 
-
-def render_video(path: Path, trajectory: RobotTrajectory, judgement: Judgement | None, robot: RobotDescription) -> None:
+def render_video(
+    path: Path,
+    trajectory: RobotTrajectory,
+    judgement: Judgement | None,
+    robot: RobotDescription,
+    motion: HumanMotion | None = None,
+) -> None:
     """Draw a trajectory, as simulated where the judgement has a playback, as planned otherwise.
 
     Args:
@@ -38,6 +44,7 @@ def render_video(path: Path, trajectory: RobotTrajectory, judgement: Judgement |
         trajectory: what the robot should do.
         judgement: its judgement, or None.
         robot: the robot.
+        motion: the human motion to show beside it, or None.
 
     Raises:
         MissingDependency: there is no EGL and no OSMesa.
@@ -45,150 +52,126 @@ def render_video(path: Path, trajectory: RobotTrajectory, judgement: Judgement |
     """
     import imageio_ffmpeg
 
-    backend = gl_backend()
-    say(f"drawing with {backend.upper()}")
     model = visual_model(robot)
-    qpos = poses(in_robot_order(trajectory, robot), robot, model)
-    playback = None if judgement is None else judgement.playback
-    if playback is not None and playback.qpos.shape[1] == model.nq:
-        qpos = playback.qpos
-    step = trajectory.fps / FPS
-    frames = np.rint(np.arange(0, len(qpos) - 0.5, step)).astype(int).clip(0, len(qpos) - 1)
+    film = make_film(trajectory, robot, model, fps=FPS, judgement=judgement, motion=motion)
     with atomic_path(path) as temporary:
         writer = imageio_ffmpeg.write_frames(
-            str(temporary), (WIDTH, HEIGHT), fps=FPS, codec="libx264", macro_block_size=1,
+            str(temporary), picture_size(film), fps=FPS, codec="libx264", macro_block_size=1,
             output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart", "-f", "mp4"],
         )  # fmt: skip
         writer.send(None)
-        for image in draw_frames(model, robot, qpos[frames], backend):
-            writer.send(image)
-        writer.close()
+        try:
+            for image in draw_film(film, model, robot):
+                writer.send(image)
+        except OSError as error:
+            raise InvalidFile(path, f"ffmpeg gave up: {error}") from None
+        finally:
+            writer.close()
 
 
-def gl_backend() -> str:
-    """The OpenGL library to draw with: the one that MUJOCO_GL names, else EGL, else OSMesa.
-
-    Raises:
-        MissingDependency: none is installed.
-    """
-    chosen = os.environ.get("MUJOCO_GL", "").lower()
-    order = [chosen] if chosen in _LIBRARIES else list(_LIBRARIES)
-    for backend in order:
-        if find_library(_LIBRARIES[backend]):
-            return backend
-    raise MissingDependency(
-        "an OpenGL library for drawing without a display",
-        "install libegl1 or libosmesa6 (apt-get install libegl1); only the video needs it",
-    )
+def picture_size(film: Film) -> tuple[int, int]:
+    """Width and height of a film's frames: a robot alone, or two panes."""
+    return (WIDTH, HEIGHT) if film.human is None else (2 * PANE_WIDTH, HEIGHT)
 
 
-def draw_frames(model: mujoco.MjModel, robot: RobotDescription, qpos: Floats, backend: str) -> Iterator[np.ndarray]:
-    """(480, 640, 3) bytes for each pose, the camera following the root.
+def draw_film(film: Film, model: mujoco.MjModel, robot: RobotDescription) -> Iterator[np.ndarray]:
+    """(height, width, 3) bytes for each frame, cameras following the root and the pelvis.
 
     Raises:
-        MissingDependency: the library is there but gives no context.
+        MissingDependency: there is no OpenGL, or none that works.
     """
-    context: Any = None
-    try:
-        context = _context(backend)
+    width, height = picture_size(film)
+    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    model.vis.quality.offsamples = 0
+    with gl_context(width, height):
         resources = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, resources)
-        scene = mujoco.MjvScene(model, maxgeom=1000)
-        for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
-            scene.flags[flag] = 0
-        yield from _draw(model, robot, qpos, scene, resources)
-    finally:
-        if context is not None:
-            context.free()
-
-
-def _context(backend: str) -> Any:
-    """A current OpenGL context of the size of the video."""
-    os.environ["PYOPENGL_PLATFORM"] = backend
-    try:
-        if backend == "egl":
-            from mujoco.egl import GLContext
-        else:
-            from mujoco.osmesa import GLContext
-        context = GLContext(WIDTH, HEIGHT)
-        context.make_current()
-    except (ImportError, AttributeError, RuntimeError) as error:
-        raise MissingDependency(f"a working {backend.upper()} driver", str(error)) from None
-    return context
+        try:
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, resources)
+            yield from _draw(film, model, robot, resources, width, height)
+        finally:
+            resources.free()
 
 
 def _draw(
-    model: mujoco.MjModel,
-    robot: RobotDescription,
-    qpos: Floats,
-    scene: mujoco.MjvScene,
-    resources: mujoco.MjrContext,
+    film: Film, model: mujoco.MjModel, robot: RobotDescription, resources: mujoco.MjrContext, width: int, height: int
 ) -> Iterator[np.ndarray]:
-    data = mujoco.MjData(model)
-    option, camera = mujoco.MjvOption(), mujoco.MjvCamera()
-    view = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
-    height = float(qpos[0, 2])
-    camera.distance, camera.azimuth, camera.elevation = 3.0 * height, 145, -12
-    image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-    for pose in qpos:
-        data.qpos[:] = pose
+    robot_pane, human_pane = _RobotPane(film, model, robot), _HumanPane(film, model)
+    lettering = Lettering(film, width, height)
+    whole = mujoco.MjrRect(0, 0, width, height)
+    left, right = mujoco.MjrRect(0, 0, width // 2, height), mujoco.MjrRect(width // 2, 0, width // 2, height)
+    image = np.empty((height, width, 3), np.uint8)
+    for frame in range(len(film)):
+        robot_scene = robot_pane.scene_at(frame)
+        if film.human is None:
+            mujoco.mjr_render(whole, robot_scene, resources)
+        else:
+            mujoco.mjr_render(left, human_pane.scene_at(frame), resources)
+            mujoco.mjr_render(right, robot_scene, resources)
+        mujoco.mjr_readPixels(image, None, whole, resources)
+        picture = image[::-1].copy()
+        lettering.write(picture, frame)
+        yield picture
+
+
+class _RobotPane:
+    """The robot with its contacts, ZMP and joints at their limits."""
+
+    def __init__(self, film: Film, model: mujoco.MjModel, robot: RobotDescription) -> None:
+        self._film, self._model, self._robot = film, model, robot
+        self._data = mujoco.MjData(model)
+        self._paint = LimitPaint(model, robot)
+        self._low, high = extent(model, robot)
+        self._size = high - self._low
+        self._weight = float(model.body_subtreemass[0] * -model.opt.gravity[2])
+        self._scene, self._camera = _scene(model), _camera(self._size)
+
+    def scene_at(self, frame: int) -> mujoco.MjvScene:
+        film, model, data, scene = self._film, self._model, self._data, self._scene
+        data.qpos[:] = film.qpos[frame]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
-        camera.lookat[:] = pose[0], pose[1], 0.85 * height
-        mujoco.mjv_updateScene(model, data, option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
-        mujoco.mjr_render(view, scene, resources)
-        mujoco.mjr_readPixels(image, None, view, resources)
-        yield np.ascontiguousarray(image[::-1])
+        self._paint.apply(film.at_limit[frame])
+        self._camera.lookat[:] = *film.qpos[frame, :2], self._low + 0.48 * self._size
+        mujoco.mjv_updateScene(model, data, _OPTION, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
+        soles = list(sole_corners(model, data, self._robot).values())
+        force = None if film.force is None else film.force[frame]
+        add_contacts(scene, soles, film.standing[frame], force, size=self._size, weight=self._weight)
+        add_zmp(scene, film.zmp[frame], soles, film.standing[frame], size=self._size)
+        return scene
 
 
-def visual_model(robot: RobotDescription) -> mujoco.MjModel:
-    """The robot's looks on a chequered floor, meshes thinned out, from the cache where it is there."""
-    return cached_model(robot, "visual", lambda: _visual_spec(robot))
+class _HumanPane:
+    """The human on the same floor."""
+
+    def __init__(self, film: Film, model: mujoco.MjModel) -> None:
+        self._film, self._model, self._data = film, model, mujoco.MjData(model)
+        mujoco.mj_kinematics(model, self._data)
+        mujoco.mj_camlight(model, self._data)
+        self._scene, self._camera = _scene(model), _camera(HUMAN_HEIGHT_M)
+
+    def scene_at(self, frame: int) -> mujoco.MjvScene:
+        if self._film.human is None:
+            return self._scene
+        joints = self._film.human[frame]
+        self._camera.lookat[:] = *joints[0, :2], 0.48 * HUMAN_HEIGHT_M
+        static = mujoco.mjtCatBit.mjCAT_STATIC
+        mujoco.mjv_updateScene(self._model, self._data, _OPTION, None, self._camera, static, self._scene)
+        add_human(self._scene, joints)
+        return self._scene
 
 
-def _visual_spec(robot: RobotDescription) -> "mujoco.MjSpec":
-    from ros_free_stack.robot_model import kinematic_model
-
-    cell = _CELL_M * size_scale(robot, kinematic_model(robot))
-    spec = robot_spec(robot)
-    for geom in list(spec.geoms):
-        if geom.contype or geom.conaffinity:
-            spec.delete(geom)
-    drop_meshes(spec, keep=lambda geom: True)
-    replace_meshes(spec, lambda vertices, faces: merge_vertices(vertices, faces, cell))
-    add_floor(spec)
-    floor = spec.geom("floor")
-    spec.add_texture(
-        name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.93, 0.95, 0.98], rgb2=[0.75, 0.8, 0.87], width=64, height=384,
-    )  # fmt: skip
-    spec.add_texture(
-        name="tiles", type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.83, 0.86, 0.9], rgb2=[0.76, 0.8, 0.85], width=128, height=128,
-    )  # fmt: skip
-    tiles = spec.add_material(name="tiles", texrepeat=[4, 4], texuniform=True)
-    tiles.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-    floor.material = "tiles"
-    spec.worldbody.add_light(pos=[1, 1, 3], dir=[-0.3, -0.3, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    spec.visual.headlight.ambient = [0.4, 0.4, 0.4]
-    return spec
+def _scene(model: mujoco.MjModel) -> mujoco.MjvScene:
+    scene = mujoco.MjvScene(model, maxgeom=1000)
+    for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
+        scene.flags[flag] = 0
+    scene.flags[mujoco.mjtRndFlag.mjRND_CULL_FACE] = 1
+    return scene
 
 
-def merge_vertices(vertices: Floats, faces: np.ndarray, cell: float) -> tuple[Floats, np.ndarray]:
-    """Merge the vertices (V, 3) that share a cubic cell of a grid and drop faces (F, 3) that collapse.
-
-    Source: vertex clustering, Rossignac and Borrel 1993.
-    """
-    _, group, counts = np.unique(np.floor(vertices / cell).astype(int), axis=0, return_inverse=True, return_counts=True)
-    group = group.ravel()
-    merged = np.stack([np.bincount(group, weights=axis) for axis in vertices.T], axis=1) / counts[:, None]
-    kept = group[faces]
-    whole = (kept[:, 0] != kept[:, 1]) & (kept[:, 1] != kept[:, 2]) & (kept[:, 2] != kept[:, 0])
-    kept = np.unique(_rolled(kept[whole]), axis=0)
-    return (merged, kept) if len(kept) >= 4 else (vertices, faces)
+def _camera(height: float) -> mujoco.MjvCamera:
+    camera = mujoco.MjvCamera()
+    camera.distance, camera.azimuth, camera.elevation = _DISTANCE * height, _AZIMUTH, _ELEVATION
+    return camera
 
 
-def _rolled(faces: np.ndarray) -> np.ndarray:
-    """Faces that begin with their smallest index, so that equal ones look equal."""
-    start = np.argmin(faces, axis=1)
-    return np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
+_OPTION = mujoco.MjvOption()

@@ -9,13 +9,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from ros_free_stack.errors import InvalidFile, InvalidOption, MissingDependency, ModelMismatch
+from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import load_verdict, save_telemetry, save_trajectory
 from ros_free_stack.messages import HumanMotion, Segment, ServoTelemetry
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import JOINT_COUNT
-from sim import render
-from sim.cli import Render, Validate
+from sim.cli import Validate
 from sim.model import judging_model
 from sim.reference import make_reference
 from sim.report import write_report
@@ -120,61 +119,6 @@ def test_validate_refuses_a_truncated_file(op3, standing, tmp_path):
     file.write_bytes(file.read_bytes()[:500])
     with pytest.raises(InvalidFile):
         Validate(trajectory=file).run()
-
-
-def test_render_refuses_other_names(tmp_path):
-    with pytest.raises(InvalidOption, match="mp4"):
-        Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.gif").run()
-
-
-def test_render_refuses_another_model(op3, standing, tmp_path):
-    import dataclasses
-
-    save_trajectory(tmp_path / "t.npz", dataclasses.replace(standing(op3), model_sha256="0" * 64))
-    with pytest.raises(ModelMismatch):
-        Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.mp4").run()
-
-
-def test_no_gl_is_said(op3, standing, tmp_path, monkeypatch):
-    monkeypatch.setattr(render, "find_library", lambda name: None)
-    with pytest.raises(MissingDependency, match="libegl1"):
-        render.render_video(tmp_path / "video.mp4", standing(op3), None, op3)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_video_where_gl_is_present(op3, standing, tmp_path):
-    import imageio_ffmpeg
-
-    save_trajectory(tmp_path / "t.npz", standing(op3, frames=20))
-    try:
-        assert Render(trajectory=tmp_path / "t.npz", out=tmp_path / "video.mp4").run() == 0
-    except MissingDependency as error:
-        pytest.skip(str(error))
-    reader = imageio_ffmpeg.read_frames(str(tmp_path / "video.mp4"))
-    meta = next(reader)
-    frames = [np.frombuffer(frame, np.uint8) for frame in reader]
-    assert meta["size"] == (640, 480) and len(frames) == 10
-    assert frames[0].std() > 15
-
-
-def test_merged_vertices_keep_the_shape():
-    """A fine sphere thinned to a grid keeps its radius within a cell and loses most faces."""
-    from scipy.spatial import ConvexHull
-
-    points = np.random.default_rng(0).normal(size=(4000, 3))
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    faces = ConvexHull(points).simplices
-    vertices, kept = render.merge_vertices(points, faces, 0.2)
-    assert len(kept) < 0.25 * len(faces)
-    assert kept.max() < len(vertices) and len(np.unique(kept, axis=0)) == len(kept)
-    assert np.abs(np.linalg.norm(vertices, axis=1) - 1).max() < 0.1
-
-
-def test_tiny_meshes_stay():
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]) * 1e-3
-    faces = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
-    vertices, kept = render.merge_vertices(corners, faces, 0.01)
-    assert vertices is corners and kept is faces
 
 
 def test_no_verdict_file_without_physics(tmp_path: Path) -> None:
