@@ -27,7 +27,11 @@ TIMESTEP_S = 0.002
 G1_STANDING_HEIGHT_M = 0.787
 """Height of G1's pelvis in its standing pose: the size that length and speed thresholds are stated for."""
 
-_CACHE_VERSION = "3"
+NATURAL_FREQUENCY, DAMPING_RATIO = 2 * np.pi * 10.0, 2.0
+"""Of the position loop that a bare motor gets, in rad/s and 1, on the inertia of its rotor alone (BeyondMimic, Liao et
+al. 2025, choose the gains of G1's joints so): kp = J w^2, kd = 2 zeta J w."""
+
+_CACHE_VERSION = "4"
 
 
 def judging_model(robot: RobotDescription, *, mount: Mount = "free") -> mujoco.MjModel:
@@ -92,7 +96,10 @@ def _judging_spec(robot: RobotDescription, mount: Mount) -> "mujoco.MjSpec":
 
 
 def _limit_servos(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:
-    """Give actuators the description's torque limits and Dynamixels their speed-torque line.
+    """Give actuators the description's torque limits, bare motors a position loop, Dynamixels their speed-torque line.
+
+    A trajectory of angles moves position servos. Where a model has plain motors (H1), whose control is a torque, the
+    robot's own drives close the loop, so the model gets one.
 
     The torque of such a servo falls from the stall torque at rest to nothing at its no-load speed. A force limit at
     the stall torque together with joint damping of stall torque over no-load speed is that line.
@@ -103,10 +110,22 @@ def _limit_servos(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:
             continue
         actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
         actuator.forcerange = np.array([-limits.effort, limits.effort])
+        inertia = float(spec.joint(actuator.target).armature)
+        if actuator.biastype == mujoco.mjtBias.mjBIAS_NONE and inertia > 0:
+            _close_position_loop(actuator, inertia)
         if robot.servos is not None:
             joint = spec.joint(actuator.target)
             joint.damping = np.zeros_like(joint.damping)
             joint.damping[0] = limits.effort / limits.velocity
+
+
+def _close_position_loop(actuator: "mujoco.MjsActuator", inertia: float) -> None:
+    kp, kd = inertia * NATURAL_FREQUENCY**2, 2 * DAMPING_RATIO * inertia * NATURAL_FREQUENCY
+    actuator.gaintype, actuator.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+    actuator.gainprm[0] = kp
+    actuator.biasprm[:3] = [0.0, -kp, -kd]
+    actuator.gear[0] = 1.0
+    actuator.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
 
 
 def _hold_root(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:

@@ -1,36 +1,32 @@
-"""Physics playback: the robot tries the trajectory with its own position servos, on the floor, under gravity.
+"""Physics playback: the robot tries the trajectory with its own servos, on the floor, under gravity.
 
-Servos get the reference plus feedforward, ctrl = q_ref + (tau_ff + kd v_ref) / kp, and the ankles of standing feet
-lean against the error of the divergent component of motion (Englsberger et al. 2015), xi = c + v / omega: an ankle
-offset of 1.2 error / h about the axis z x error. Both read the simulation's true state; a real robot does worse.
-The robot starts at rest in the first pose and holds the last one, as it would on the bench.
+The controller meets the robot as it would on the bench: it reads once a bus cycle, what it decides arrives a cycle
+later, and servos act on whole encoder steps (`sim.actuation`). It starts at rest in the first pose and holds the last.
 """
 
+import copy
+from collections import deque
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
+from scipy.signal import lfilter
 
-from ros_free_stack.errors import InvalidFile
-from ros_free_stack.messages import Bools, Floats
+from ros_free_stack.messages import Bools, Floats, Mount
 from ros_free_stack.robot_model import joint_addresses
-from ros_free_stack.robots import RobotDescription
-from sim.inverse_dynamics import inverse_dynamics
-from sim.model import TIMESTEP_S, Mount, judging_model
+from ros_free_stack.robots import RobotDescription, ServoMotor
+from sim.actuation import AT_LIMIT, Servos, read_servos
+from sim.controllers import Controller, ControllerName, make_controller
+from sim.estimation import EncodersAndImu, SensorNoise, StateName, TrueState
+from sim.model import judging_model
+from sim.plan import HOLD_S, Plan, make_plan
 from sim.reference import Reference
-
-HOLD_S = 0.5
-"""Time at rest before and after the motion."""
 
 AFTERMATH_S = 0.6
 """How long a fall is watched before the simulation ends."""
 
-DCM_GAIN = 1.2
-"""Ankle offset over DCM error per height of the centre of mass."""
-
-_DYNAMICS_DT_S = 0.02
+LATENCY_CYCLES = 1
+"""Cycles from reading the robot to goals that answer to it."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +46,13 @@ class Playback:
         needed: (N, J) N m, feedforward torque of the reference: the greatest magnitude.
         saturated: (N, J) share of the time at the torque limit.
         contact_force: (N, F) N, normal force of the floor on each foot.
+        pressure: (N, 2) m, where the floor's forces act (their centre of pressure); NaN where nothing touches it.
         height_error: (N,) m, of the torso body against the reference, greatest.
         orientation_error: (N,) difference of gravity along the torso's z axis, 0 to 2, greatest.
+        power: (N,) W that all servos draw together, greatest; 0 where the motor's figures are not known.
+        heating: (N, J) K by which servos have warmed; 0 where the motor's figures are not known.
         fell_at_s: when the robot fell, from the motion's start (beyond its end if in the final hold), or None.
+        controller: what moved the robot.
     """
 
     qpos: Floats
@@ -64,9 +64,13 @@ class Playback:
     needed: Floats
     saturated: Floats
     contact_force: Floats
+    pressure: Floats
     height_error: Floats
     orientation_error: Floats
+    power: Floats
+    heating: Floats
     fell_at_s: float | None
+    controller: ControllerName
 
     @property
     def frames(self) -> int:
@@ -74,245 +78,211 @@ class Playback:
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """The reference at every physics step, S steps: hold, motion, hold."""
+class FallLimits:
+    """Errors of the torso that count as a fall: of its height in m, and of gravity along its z axis (0 to 2)."""
 
-    start: Floats  # (nq,)
-    ctrl: Floats  # (S, J) servo goals with feedforward, rad
-    torque: Floats  # (S, J) feedforward, N m
-    com: Floats  # (S, 3)
-    dcm: Floats  # (S, 2)
-    standing: Bools  # (S, F)
-    torso_height: Floats  # (S,)
-    torso_up: Floats  # (S,) z component of the torso's z axis
+    height: float
+    orientation: float
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What makes one run differ from the nominal one.
+
+    Attributes:
+        mass: (B,) factors on the mass and inertia of each body.
+        friction: factor on the floor's friction.
+        late_cycles: bus cycles by which goals come later than planned.
+        push: (3,) m/s by which a push changes the velocity of the whole robot, spread over 0.1 s.
+        push_at: when, as a share of the playback.
+        noise: of the sensors.
+        seed: of the sensor noise.
+    """
+
+    mass: Floats
+    friction: float
+    late_cycles: int
+    push: Floats
+    push_at: float
+    noise: SensorNoise
+    seed: int
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A reference made ready for playbacks.
+
+    Attributes:
+        reference: the trajectory's kinematics.
+        model: what is simulated, and what controllers take the robot to be.
+        servos: of that model.
+        plan: the reference at every control cycle.
+    """
+
+    reference: Reference
+    model: mujoco.MjModel
+    servos: Servos
+    plan: Plan
 
 
 @dataclass(frozen=True)
 class _Log:
-    """The simulation at every physics step."""
+    """The simulation at every physics step; errors and recorded contacts by control cycle."""
 
     qpos: Floats
     qvel: Floats
     force: Floats
-    height_error: Floats
-    orientation_error: Floats
-    contact_force: dict[int, Floats]  # by step
-    fell_at_step: int | None
+    errors: Floats
+    contacts: dict[int, tuple[Floats, Floats]]
+    fell_at_cycle: int | None
 
 
-@dataclass(frozen=True)
-class _Servos:
-    """Position servos in the description's joint order: torque = kp (ctrl - q) - kd v."""
-
-    actuators: np.ndarray
-    kp: Floats
-    kd: Floats
+PUSH_S = 0.1
 
 
-def play(reference: Reference, *, mount: Mount = "free", fall_height: float, fall_orientation: float) -> Playback:
-    """Simulate a trajectory at 500 Hz from rest in its first pose.
+def set_stage(reference: Reference, *, mount: Mount = "free") -> Stage:
+    """Work out what every playback of a trajectory needs.
 
     Args:
         reference: the trajectory's kinematics.
         mount: `free`, or `fixed` for a robot held in the air by its root.
-        fall_height: error of the torso's height in m that counts as a fall.
-        fall_orientation: error of gravity along the torso's z axis that counts as a fall.
+
+    Raises:
+        InvalidFile: a joint of the robot's model has no actuator.
     """
-    robot = reference.robot
-    model = reference.model if mount == "free" else judging_model(robot, mount="fixed")
-    servos = _servos(model, robot)
-    plan = _plan(reference, model, servos, mount)
-    steps = len(plan.ctrl)
-    frames = np.arange(len(reference.qpos))
-    at_step = np.rint((HOLD_S + frames * reference.dt) / TIMESTEP_S).astype(int)
-    log = _simulate(
-        model,
-        robot,
-        plan,
-        servos,
-        record=frozenset(at_step.tolist()),
-        fall=(fall_height, fall_orientation) if mount == "free" else (np.inf, np.inf),
-    )
-    done = len(log.qpos)
-    fell = None if log.fell_at_step is None else log.fell_at_step * TIMESTEP_S - HOLD_S
-    return _sample(model, robot, plan, log, at_step[at_step < min(done, steps)], fell)
+    model = reference.model if mount == "free" else judging_model(reference.robot, mount="fixed")
+    servos = read_servos(model, reference.robot)
+    return Stage(reference, model, servos, make_plan(reference, model, servos))
 
 
-def _servos(model: mujoco.MjModel, robot: RobotDescription) -> _Servos:
-    joints = model.actuator_trnid[:, 0].tolist()
-    actuators: list[int] = []
-    for name in robot.joint_names:
-        joint = model.joint(name).id
-        if joint not in joints or model.actuator_gainprm[joints.index(joint), 0] <= 0:
-            raise InvalidFile(robot.model_path, f"joint {name} has no position actuator")
-        actuators.append(joints.index(joint))
-    index = np.array(actuators)
-    return _Servos(index, model.actuator_gainprm[index, 0], -model.actuator_biasprm[index, 2])
+def play(
+    stage: Stage,
+    fall: FallLimits,
+    *,
+    controller: ControllerName = "default",
+    state: StateName = "true",
+    disturbance: Disturbance | None = None,
+) -> Playback:
+    """Simulate a trajectory at 500 Hz from rest in its first pose.
+
+    Args:
+        stage: the trajectory, from `set_stage`.
+        fall: what counts as a fall; a robot with a held root never falls.
+        controller: what moves the robot.
+        state: what the controller reads: the simulation's `true` state, or the one `estimated` from encoders and IMU.
+        disturbance: how this run differs from the nominal one; the controller knows nothing of it.
+    """
+    robot, plan = stage.reference.robot, stage.plan
+    noise = disturbance.noise if disturbance else SensorNoise()
+    if state == "true":
+        estimator = TrueState(stage.model)
+    else:
+        rng = np.random.default_rng(disturbance.seed if disturbance else 0)
+        estimator = EncodersAndImu(stage.model, robot, stage.servos, plan, noise, rng)
+    mover = make_controller(controller, stage.model, robot, stage.servos, plan)
+    model = _disturbed(stage.model, disturbance)
+    frame_steps = np.rint((HOLD_S + np.arange(len(stage.reference.qpos)) * stage.reference.dt) / model.opt.timestep)
+    at_step = np.maximum(frame_steps.astype(int) - 1, 0)
+    log = _simulate(stage, model, estimator, mover, fall, disturbance, frozenset(at_step.tolist()))
+    return _sample(stage, log, at_step[at_step < len(log.qpos)], controller)
 
 
-def _plan(reference: Reference, model: mujoco.MjModel, servos: _Servos, mount: Mount) -> _Plan:
-    """Resample the reference with its holds and add the feedforward."""
-    robot, trajectory = reference.robot, reference.trajectory
-    held = int(np.ceil(HOLD_S * trajectory.fps)) + 2
-    keys = np.clip(np.arange(-held, len(reference.qpos) + held), 0, len(reference.qpos) - 1)
-    key_times = (np.arange(len(keys)) - held) * reference.dt
-    end = trajectory.duration_s - reference.dt + HOLD_S
-    coarse = np.arange(-HOLD_S, end + _DYNAMICS_DT_S, _DYNAMICS_DT_S)
-    fine = np.arange(-HOLD_S, end, TIMESTEP_S)
-    addresses, dofs = joint_addresses(model, robot)
-    joints = CubicSpline(key_times, trajectory.joint_pos[keys])
-    qpos = np.tile(model.qpos0, (len(coarse), 1))
-    qpos[:, addresses] = joints(coarse)
-    if mount == "free":
-        qpos[:, :3] = CubicSpline(key_times, trajectory.root_pos[keys])(coarse)
-        rotations = Rotation.from_quat(trajectory.root_quat[keys], scalar_first=True)
-        qpos[:, 3:7] = RotationSpline(key_times, rotations)(coarse).as_quat(scalar_first=True)
-    standing = trajectory.contacts[_nearest(coarse, reference)]
-    dynamics = inverse_dynamics(model, robot, qpos, standing, _DYNAMICS_DT_S)
-    torque, com, com_vel = (
-        _interpolate(fine, coarse, values) for values in (dynamics.torque, dynamics.com, dynamics.com_vel)
-    )
-    feedforward = (torque + servos.kd * _interpolate(fine, coarse, dynamics.qvel[:, dofs])) / servos.kp
-    torso = model.body(robot.torso_body).id
-    height = _interpolate(fine, key_times, reference.body_pos[keys, torso, 2:])[:, 0]
-    up = _interpolate(fine, key_times, reference.body_rot[keys, torso, 2, 2:])[:, 0]
-    return _Plan(
-        start=qpos[0],
-        ctrl=joints(fine) + feedforward,
-        torque=torque,
-        com=com,
-        dcm=com[:, :2] + com_vel[:, :2] / _omega(model, com[:, 2:]),
-        standing=trajectory.contacts[_nearest(fine, reference)],
-        torso_height=height,
-        torso_up=up,
-    )
-
-
-def _omega(model: mujoco.MjModel, height: Floats) -> Floats:
-    """Natural frequency of the inverted pendulum, 1/s."""
-    return np.sqrt(-model.opt.gravity[2] / np.maximum(height, 0.05))
-
-
-def _nearest(times: Floats, reference: Reference) -> np.ndarray:
-    return np.clip(np.rint(times / reference.dt).astype(int), 0, len(reference.qpos) - 1)
-
-
-def _interpolate(times: Floats, keys: np.ndarray, values: Floats) -> Floats:
-    return np.stack([np.interp(times, keys, column) for column in values.T], axis=1)
+def _disturbed(model: mujoco.MjModel, disturbance: Disturbance | None) -> mujoco.MjModel:
+    if disturbance is None:
+        return model
+    model = copy.copy(model)
+    model.body_mass[:] *= disturbance.mass
+    model.body_inertia[:] *= disturbance.mass[:, None]
+    model.geom_friction[:, 0] *= disturbance.friction
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
 
 
 def _simulate(
+    stage: Stage,
     model: mujoco.MjModel,
-    robot: RobotDescription,
-    plan: _Plan,
-    servos: _Servos,
-    *,
+    estimator: TrueState | EncodersAndImu,
+    mover: Controller,
+    fall: FallLimits,
+    disturbance: Disturbance | None,
     record: frozenset[int],
-    fall: tuple[float, float],
 ) -> _Log:
     """Step through the plan; stop a moment after a fall."""
+    robot, plan, servos = stage.reference.robot, stage.plan, stage.servos
     data = mujoco.MjData(model)
-    data.qpos[:] = plan.start
+    data.qpos[:] = plan.qpos[0]
     mujoco.mj_forward(model, data)
-    torso = model.body(robot.torso_body).id
+    root, torso = model.body(robot.root_body).id, model.body(robot.torso_body).id
     feet = [model.body(sole.body).id for sole in robot.soles.values()]
     floats = model.nv > len(robot.joints)
-    ankles = [_ankle_joints(model, robot, body) for body in feet]
-    steps = len(plan.ctrl)
+    each = servos.cycle_steps
+    steps = plan.cycles * each
     qpos, qvel = np.empty((steps, model.nq)), np.empty((steps, model.nv))
     force = np.empty((steps, len(servos.kp)))
-    errors = np.empty((steps, 2))
-    contact_force: dict[int, Floats] = {}
+    errors = np.zeros((plan.cycles, 2))
+    contacts: dict[int, tuple[Floats, Floats]] = {}
+    late = LATENCY_CYCLES + (disturbance.late_cycles if disturbance else 0)
+    first = servos.rounded(mover.goals(0, 0, estimator.believe(0, data)))
+    waiting = deque([first] * late)
     fell: int | None = None
-    last = steps
-    for step in range(steps):
-        goal = plan.ctrl[step].copy()
+    last = plan.cycles
+    for cycle in range(plan.cycles):
+        then = min(cycle + LATENCY_CYCLES, plan.cycles - 1)
+        waiting.append(servos.rounded(mover.goals(cycle, then, estimator.believe(cycle, data))))
+        data.ctrl[servos.actuators] = waiting.popleft()
+        if disturbance is not None and floats:
+            data.xfrc_applied[root, :3] = _push(disturbance, cycle, plan, model)
+        for step in range(cycle * each, (cycle + 1) * each):
+            mujoco.mj_step(model, data)
+            qpos[step], qvel[step] = data.qpos, data.qvel
+            force[step] = data.actuator_force[servos.actuators]
+            if step in record:
+                contacts[step] = _floor_contact(model, data, feet)
         if floats:
-            _lean_ankles(model, data, plan, step, ankles, goal)
-        data.ctrl[servos.actuators] = goal
-        mujoco.mj_step(model, data)
-        qpos[step], qvel[step] = data.qpos, data.qvel
-        force[step] = data.actuator_force[servos.actuators]
-        errors[step, 0] = abs(data.xpos[torso, 2] - plan.torso_height[step]) if floats else 0.0
-        errors[step, 1] = abs(data.xmat[torso, 8] - plan.torso_up[step]) if floats else 0.0
-        if step in record:
-            contact_force[step] = np.array([_normal_force(model, data, body) for body in feet])
-        if fell is None and (errors[step, 0] > fall[0] or errors[step, 1] > fall[1]):
-            fell, last = step, min(steps, step + int(AFTERMATH_S / TIMESTEP_S))
-        if step + 1 >= last:
+            errors[cycle] = (
+                abs(data.xpos[torso, 2] - plan.torso_height[cycle]),
+                abs(data.xmat[torso, 8] - plan.torso_up[cycle]),
+            )
+            if fell is None and (errors[cycle, 0] > fall.height or errors[cycle, 1] > fall.orientation):
+                fell, last = cycle, min(plan.cycles, cycle + round(AFTERMATH_S / plan.cycle_s))
+        if cycle + 1 >= last:
             break
-    done = step + 1
-    return _Log(
-        qpos[:done],
-        qvel[:done],
-        force[:done],
-        errors[:done, 0],
-        errors[:done, 1],
-        contact_force,
-        fell,
-    )
+    done = last * each
+    return _Log(qpos[:done], qvel[:done], force[:done], errors[:last], contacts, fell)
 
 
-def _ankle_joints(model: mujoco.MjModel, robot: RobotDescription, foot: int) -> list[tuple[int, int]]:
-    """(place in the description, joint id) of the hinges of a foot and of the link above it."""
-    links = (foot, int(model.body_parentid[foot]))
-    return [
-        (place, model.joint(name).id)
-        for place, name in enumerate(robot.joint_names)
-        if model.jnt_bodyid[model.joint(name).id] in links
-    ]
+def _push(disturbance: Disturbance, cycle: int, plan: Plan, model: mujoco.MjModel) -> Floats:
+    since = cycle * plan.cycle_s - disturbance.push_at * plan.cycles * plan.cycle_s
+    return disturbance.push * model.body_subtreemass[0] / PUSH_S if 0 <= since < PUSH_S else np.zeros(3)
 
 
-def _lean_ankles(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    plan: _Plan,
-    step: int,
-    ankles: list[list[tuple[int, int]]],
-    goal: Floats,
-) -> None:
-    """Add the ankle offsets of the standing feet to the servo goals."""
-    mujoco.mj_subtreeVel(model, data)
-    height = max(float(plan.com[step, 2]), 0.05)
-    omega = np.sqrt(-model.opt.gravity[2] / height)
-    error_x, error_y = data.subtree_com[0, :2] + data.subtree_linvel[0, :2] / omega - plan.dcm[step]
-    gain = DCM_GAIN / height
-    for standing, joints in zip(plan.standing[step], ankles, strict=True):
-        if standing:
-            for place, joint in joints:
-                axis = data.xaxis[joint]
-                goal[place] += gain * (axis[1] * error_x - axis[0] * error_y)
-
-
-def _normal_force(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
-    """Force in N with which the floor presses on a body."""
-    total, wrench = 0.0, np.zeros(6)
+def _floor_contact(model: mujoco.MjModel, data: mujoco.MjData, feet: list[int]) -> tuple[Floats, Floats]:
+    """(F,) N with which the floor presses on each foot, and (2,) m the centre of pressure of all it presses on."""
+    forces, moment, total = np.zeros(len(feet)), np.zeros(2), 0.0
+    wrench = np.zeros(6)
     for index, geoms in enumerate(data.contact.geom):
-        bodies = model.geom_bodyid[geoms]
-        if body in bodies and 0 in bodies:
+        bodies = model.geom_bodyid[geoms].tolist()
+        if 0 in bodies:
             mujoco.mj_contactForce(model, data, index, wrench)
-            total += float(wrench[0])
-    return total
+            total += wrench[0]
+            moment += wrench[0] * data.contact.pos[index, :2]
+            for foot, body in enumerate(feet):
+                forces[foot] += wrench[0] * (body in bodies)
+    return forces, moment / total if total > 0 else np.full(2, np.nan)
 
 
-def _sample(
-    model: mujoco.MjModel,
-    robot: RobotDescription,
-    plan: _Plan,
-    log: _Log,
-    at_step: np.ndarray,
-    fell_at_s: float | None,
-) -> Playback:
+def _sample(stage: Stage, log: _Log, at_step: np.ndarray, controller: ControllerName) -> Playback:
     """Reduce the log to the trajectory's frames."""
+    model, robot, plan = stage.model, stage.reference.robot, stage.plan
+    each = stage.servos.cycle_steps
     addresses, dofs = joint_addresses(model, robot)
-    limited = np.abs(log.force) >= 0.999 * robot.effort
+    limited: Bools = np.abs(log.force) >= AT_LIMIT * robot.effort
     starts = np.concatenate([[0], at_step[:-1] + 1])
 
     def greatest(values: Floats) -> Floats:
         return np.maximum.reduceat(values, starts, axis=0)
 
-    upto = len(log.qpos)
-    counts = np.diff(np.append(starts, upto))
+    counts = np.diff(np.append(starts, len(log.qpos)))
     body_pos = np.empty((len(at_step), model.nbody, 3))
     body_rot = np.empty((len(at_step), model.nbody, 3, 3))
     data = mujoco.MjData(model)
@@ -320,6 +290,8 @@ def _sample(
         data.qpos[:] = log.qpos[step]
         mujoco.mj_kinematics(model, data)
         body_pos[frame], body_rot[frame] = data.xpos, data.xmat.reshape(-1, 3, 3)
+    power, heating = _electric(model, robot, log.force, log.qvel[:, dofs])
+    by_step = np.repeat(np.arange(len(log.errors)), each)
     return Playback(
         qpos=log.qpos[at_step],
         body_pos=body_pos,
@@ -327,10 +299,34 @@ def _sample(
         joint_pos=log.qpos[at_step][:, addresses],
         joint_vel=log.qvel[at_step][:, dofs],
         torque=greatest(np.abs(log.force)),
-        needed=greatest(np.abs(plan.torque[:upto])),
+        needed=greatest(np.abs(plan.torque[by_step])),
         saturated=np.add.reduceat(limited.astype(float), starts, axis=0) / counts[:, None],
-        contact_force=np.stack([log.contact_force[int(step)] for step in at_step]),
-        height_error=greatest(log.height_error),
-        orientation_error=greatest(log.orientation_error),
-        fell_at_s=fell_at_s,
+        contact_force=np.stack([log.contacts[int(step)][0] for step in at_step]),
+        pressure=np.stack([log.contacts[int(step)][1] for step in at_step]),
+        height_error=greatest(log.errors[by_step, 0]),
+        orientation_error=greatest(log.errors[by_step, 1]),
+        power=greatest(power),
+        heating=greatest(heating),
+        fell_at_s=None if log.fell_at_cycle is None else (log.fell_at_cycle + 1) * plan.cycle_s - HOLD_S,
+        controller=controller,
     )
+
+
+def _electric(model: mujoco.MjModel, robot: RobotDescription, force: Floats, speed: Floats) -> tuple[Floats, Floats]:
+    """(S,) W drawn by all servos, and (S, J) K by which each has warmed, at every physics step.
+
+    The force limit and the damping of joints stand for a motor's speed-torque line, so force over stall torque is the
+    share of the supply's voltage, and what is left at the joint after damping over stall torque the share of the stall
+    current. The winding turns I^2 R into heat, which the servo's mass takes up and its surface gives off:
+    C dT/dt = I^2 R - T / R_th. A servo that brakes gives nothing back to the supply.
+    """
+    motor: ServoMotor | None = robot.servos.motor if robot.servos else None
+    if motor is None:
+        return np.zeros(len(force)), np.zeros_like(force)
+    _, dofs = joint_addresses(model, robot)
+    current = motor.stall_current * (force - model.dof_damping[dofs] * speed) / robot.effort
+    drawn = np.maximum(motor.voltage * force / robot.effort * current, 0.0).sum(axis=1)
+    dt = model.opt.timestep
+    keep = np.exp(-dt / (motor.heat_capacity * motor.thermal_resistance))
+    heat = motor.resistance * current**2 * motor.thermal_resistance * (1 - keep)
+    return drawn, np.asarray(lfilter([1.0], [1.0, -keep], heat, axis=0))

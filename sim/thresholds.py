@@ -1,8 +1,9 @@
 """Limits of the checks, read from `thresholds.yaml`."""
 
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
-from typing import Literal
+from typing import Any, Literal
 
 import yaml
 
@@ -37,7 +38,6 @@ def load_thresholds(level: Level, *, scale: float) -> dict[str, Threshold]:
     """
     if level not in LEVELS:
         raise UnknownName("level", level, LEVELS)
-    text = (resources.files("sim") / "thresholds.yaml").read_text(encoding="utf-8")
     return {
         name: Threshold(
             limit=float(item[level]) * (scale if item.get("scaled") else 1.0),
@@ -45,5 +45,11 @@ def load_thresholds(level: Level, *, scale: float) -> dict[str, Threshold]:
             minimum=item.get("sense") == "minimum",
             source=str(item["source"]),
         )
-        for name, item in yaml.safe_load(text).items()
+        for name, item in _table().items()
     }
+
+
+@cache
+def _table() -> dict[str, dict[str, Any]]:
+    """The file as it is; reading it takes longer than some checks."""
+    return yaml.safe_load((resources.files("sim") / "thresholds.yaml").read_text(encoding="utf-8"))

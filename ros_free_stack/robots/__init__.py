@@ -10,6 +10,7 @@ from ros_free_stack.robots.reader import read_description
 from ros_free_stack.robots.servos import (
     ServoMap,
     ServoMode,
+    ServoMotor,
     ServoSafety,
     ServoSettings,
     StopPolicy,
@@ -22,6 +23,7 @@ __all__ = [
     "RobotDescription",
     "ServoMap",
     "ServoMode",
+    "ServoMotor",
     "ServoSafety",
     "ServoSettings",
     "Sole",

@@ -83,6 +83,38 @@ class ServoSafety:
 
 
 @dataclass(frozen=True)
+class ServoMotor:
+    """The electric motor of the robot's servos and its heat, from the maker's data sheet.
+
+    Attributes:
+        voltage: V, at which stall torque and no-load speed of the joints hold.
+        stall_current: A at that voltage.
+        encoder_steps: steps of the position sensor in a turn.
+        supply_power: W that the robot's power supply gives.
+        heat_capacity: J/K of one servo.
+        thermal_resistance: K/W from one servo to the room.
+    """
+
+    voltage: float
+    stall_current: float
+    encoder_steps: int
+    supply_power: float
+    heat_capacity: float
+    thermal_resistance: float
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (isinstance(value, int | float) and 0 < value < math.inf):
+                raise ValueError(f"servos motor {item.name}: expected a positive number, found {value!r}")
+
+    @property
+    def resistance(self) -> float:
+        """Ohm of the winding."""
+        return self.voltage / self.stall_current
+
+
+@dataclass(frozen=True)
 class ServoMap:
     """The robot's Dynamixel servos.
 
@@ -94,6 +126,7 @@ class ServoMap:
         models: joint name to servo model, where it is another one.
         settings: how the servos are set up.
         safety: what stops a stream.
+        motor: its electrical and thermal figures, or None where they are not known.
     """
 
     model: str
@@ -103,13 +136,14 @@ class ServoMap:
     models: dict[str, str] = field(default_factory=dict[str, str])
     settings: ServoSettings = ServoSettings()
     safety: ServoSafety = ServoSafety()
+    motor: ServoMotor | None = None
 
     def model_of(self, joint: str) -> str:
         """The servo model of a joint."""
         return self.models.get(joint, self.model)
 
 
-Section = TypeVar("Section", ServoSettings, ServoSafety)
+Section = TypeVar("Section", ServoSettings, ServoSafety, ServoMotor)
 
 
 def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | None:
@@ -147,6 +181,7 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
         models=models,
         settings=settings,
         safety=_section(ServoSafety, "servo_safety", data.get("servo_safety", {})),
+        motor=_section(ServoMotor, "servos motor", servos["motor"]) if "motor" in servos else None,
     )
 
 

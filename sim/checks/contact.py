@@ -49,6 +49,24 @@ def ground_penetration(reference: Reference, threshold: Threshold) -> Check:
     )
 
 
+def floating(reference: Reference, threshold: Threshold) -> Check:
+    """Greatest height in m of a sole's lowest corner above the floor z = 0 while the foot is meant to stand.
+
+    A reference that floats falls by that much as soon as physics begins (the "float" of PhysDiff, Yuan et al. 2023).
+    """
+    heights = np.stack([reference.soles[foot][..., 2].min(axis=1) for foot in reference.robot.foot_names], axis=1)
+    heights = np.where(reference.trajectory.contacts, np.maximum(heights, 0.0), 0.0)
+    frame, foot = (int(i) for i in np.unravel_index(int(np.argmax(heights)), heights.shape))
+    above = heights[frame, foot] > 0
+    return threshold.check(
+        "floating",
+        heights[frame, foot],
+        "How far a foot that should stand is above the floor.",
+        worst_frame=frame if above else -1,
+        worst_item=reference.robot.foot_names[foot] if above else "",
+    )
+
+
 def foot_skate(reference: Reference, threshold: Threshold) -> Check:
     """Mean horizontal speed in m/s of soles while they are meant to stand (contact flag in both frames)."""
     speeds, planted = sole_speeds(reference), planted_intervals(reference)

@@ -1,6 +1,7 @@
-"""Checks of joint positions, speeds and accelerations against the robot's limits."""
+"""Checks of joint positions, speeds and accelerations against the robot's limits, and of their smoothness."""
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from ros_free_stack.messages import Check, Floats
 from sim.reference import Reference
@@ -49,6 +50,36 @@ def joint_acceleration(reference: Reference, threshold: Threshold) -> Check:
         "The highest joint acceleration as a share of the joint's limit.",
         worst_frame=frame,
         worst_item=robot.joint_names[joint],
+    )
+
+
+JERK_WINDOW_S = 0.4
+STILL_RAD_PER_S = 0.3
+"""Joints that stay slower than this in a window are as good as still, and their jerk means nothing."""
+
+
+def jerk(reference: Reference, threshold: Threshold) -> Check:
+    """Greatest dimensionless jerk of any joint in any window of 0.4 s, as its natural logarithm.
+
+    ln(W^3 / v_peak^2 * integral of (d3q/dt3)^2 dt) over a window of W s with peak speed v_peak (Hogan and Sternad 2009,
+    "Sensitivity of smoothness measures to movement duration, amplitude, and arrests"). It does not depend on amplitude:
+    a sine of frequency f gives about 4 ln(2 pi f W) - 0.7, so 5.8 at 2 Hz and 12.2 at 10 Hz. Peak speeds below 0.3
+    rad/s count as 0.3.
+    """
+    q, dt = reference.trajectory.joint_pos, reference.dt
+    squared = differences(q, 3, dt) ** 2
+    width = min(max(1, round(JERK_WINDOW_S / dt)), len(squared))
+    speed = np.abs(differences(q, 1, dt))[: len(squared)]
+    energy = uniform_filter1d(squared, width, axis=0, mode="nearest") * JERK_WINDOW_S
+    peak = np.maximum(maximum_filter1d(speed, width, axis=0, mode="nearest"), STILL_RAD_PER_S)
+    value = np.log(np.maximum(JERK_WINDOW_S**3 / peak**2 * energy, 1.0))
+    frame, joint = _worst(value)
+    return threshold.check(
+        "jerk",
+        value[frame, joint],
+        "How shaky the shakiest joint is, whatever its amplitude.",
+        worst_frame=frame,
+        worst_item=reference.robot.joint_names[joint] if value[frame, joint] > 0 else "",
     )
 
 

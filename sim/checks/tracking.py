@@ -3,9 +3,12 @@
 import numpy as np
 
 from ros_free_stack.messages import Check, Floats
+from ros_free_stack.robots import ServoMotor
 from sim.playback import Playback
 from sim.reference import Reference, body_points
 from sim.thresholds import Threshold
+
+ROOM_C = 25.0
 
 
 def fall_height(playback: Playback, threshold: Threshold) -> Check:
@@ -69,7 +72,8 @@ def joint_velocity_error(reference: Reference, playback: Playback, threshold: Th
 def torque_peak(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
     """Greatest torque that the motion needs (inverse dynamics with floor forces) over the servo's stall torque.
 
-    On servos with a speed-torque line the share that speed costs counts as needed too.
+    On servos with a speed-torque line, tau <= tau_stall (1 - v / v_no_load), the share of the stall torque that speed
+    costs counts as needed too: tau / tau_stall + v / v_no_load <= 1 is that line. Braking gains the same share.
     """
     robot = reference.robot
     ratio = playback.needed / robot.effort
@@ -94,6 +98,48 @@ def torque_saturation(reference: Reference, playback: Playback, threshold: Thres
         worst_frame=int(np.argmax(share)),
         worst_item=reference.robot.joint_names[joint] if share.any() else "",
     )
+
+
+def power_peak(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Highest electrical power that all servos draw together over what the supply gives.
+
+    Voltage of a servo times its current, summed over those that draw any: `sim.playback` says how. Only for robots
+    whose description has the motor's figures.
+    """
+    share = playback.power / motor(reference).supply_power
+    return threshold.check(
+        "power_peak",
+        share.max(),
+        "The most power that all servos together draw as a share of what the supply gives.",
+        worst_frame=int(np.argmax(share)),
+    )
+
+
+def servo_heat(reference: Reference, playback: Playback, threshold: Threshold) -> Check:
+    """Warming of the hottest servo over the clip as a share of what it may warm by.
+
+    C dT/dt = I^2 R - T / R_th from room temperature (25 deg C), against the temperature at which a stream stops
+    (`servo_safety`). Only for robots whose description has the motor's figures.
+    """
+    servos = reference.robot.servos
+    allowed = (servos.safety.temperature if servos else np.inf) - ROOM_C
+    joint = int(np.argmax(playback.heating.max(axis=0)))
+    warmed = playback.heating[:, joint]
+    return threshold.check(
+        "servo_heat",
+        warmed.max() / allowed,
+        "How much the hottest servo warms as a share of what it may.",
+        worst_frame=int(np.argmax(warmed)),
+        worst_item=reference.robot.joint_names[joint],
+    )
+
+
+def motor(reference: Reference) -> ServoMotor:
+    """The robot's motor; ValueError where its description has none."""
+    found = reference.robot.servos.motor if reference.robot.servos else None
+    if found is None:
+        raise ValueError(f"{reference.robot.name} has no motor figures in its description")
+    return found
 
 
 def _point_errors(reference: Reference, playback: Playback, *, own_frame: bool) -> Floats:

@@ -6,16 +6,17 @@ import mujoco
 import numpy as np
 import pytest
 
+from ros_free_stack.messages import Mount
 from ros_free_stack.robot_model import joint_addresses, standing_qpos
 from sim.inverse_dynamics import inverse_dynamics
-from sim.model import TIMESTEP_S, Mount, judging_model
-from sim.playback import play
+from sim.model import TIMESTEP_S, judging_model
+from sim.playback import FallLimits, play, set_stage
 from sim.reference import make_reference
 
 
-def simulate(robot, trajectory, mount: Mount = "free"):
+def simulate(robot, trajectory, mount: Mount = "free", **options):
     reference = make_reference(trajectory, robot, judging_model(robot))
-    return play(reference, mount=mount, fall_height=0.1, fall_orientation=0.8)
+    return play(set_stage(reference, mount=mount), FallLimits(0.1, 0.8), **options)
 
 
 @pytest.mark.parametrize("name", ["op3", "g1"])
@@ -148,4 +149,4 @@ def test_robot_without_actuators(op3, standing, monkeypatch):
     model = judging_model(op3)
     model.actuator_gainprm[:, 0] = 0
     with pytest.raises(InvalidFile, match="no position actuator"):
-        play(dataclasses.replace(reference, model=model), fall_height=0.1, fall_orientation=0.8)
+        set_stage(dataclasses.replace(reference, model=model))

@@ -39,81 +39,16 @@ def test_legs_alone_are_judged_without_coherence(standing):
     assert "temporal_coherence" not in names
 
 
-def test_beyond_the_range(op3, standing):
-    pan = np.linspace(0, op3.joints["head_pan"].upper + 0.1, 200)
-    judgement = judge(standing(op3, frames=200, joints={"head_pan": pan}), op3, physics=False)
-    assert failures(judgement) == {"joint_range"}
-    (check,) = judgement.verdict.failures
-    assert (check.worst_item, check.worst_frame) == ("head_pan", 199)
-    assert check.value == pytest.approx(0.1)
-
-
-def sine(amplitude: float, omega: float, frames: int, fps: float) -> np.ndarray:
-    return amplitude * np.sin(omega * np.arange(frames) / fps)
-
-
-def test_too_fast(op3, standing):
-    omega = 6.0
-    pan = sine(1.2 * op3.joints["head_pan"].velocity / omega, omega, 200, 200.0)
-    judgement = judge(standing(op3, frames=200, fps=200.0, joints={"head_pan": pan}), op3, physics=False)
-    assert failures(judgement) == {"joint_velocity"}
-    assert judgement.verdict.failures[0].value == pytest.approx(1.2, rel=1e-3)
-
-
-def test_too_jerky(op3, standing):
-    omega = 25.0
-    pan = sine(1.3 * op3.joints["head_pan"].acceleration / omega**2, omega, 200, 200.0)
-    judgement = judge(standing(op3, frames=200, fps=200.0, joints={"head_pan": pan}), op3, physics=False)
-    assert failures(judgement) == {"joint_acceleration"}
-    assert judgement.verdict.failures[0].value == pytest.approx(1.3, rel=2e-2)
-
-
-@pytest.mark.parametrize("name", ["op3", "g1"])
-def test_in_the_floor(name, request, standing):
-    robot = request.getfixturevalue(name)
-    judgement = judge(standing(robot, root_offset=[0, 0, -0.02]), robot, physics=False)
-    assert failures(judgement) == {"ground_penetration"}
-    assert judgement.verdict.failures[0].value == pytest.approx(0.02, abs=1e-3)
-
-
-def test_slow_skating(op3, standing):
-    slide = np.zeros((100, 3))
-    slide[:, 1] = 0.05 * np.arange(100) / 50.0
-    judgement = judge(standing(op3, frames=100, root_offset=slide), op3, physics=False)
-    assert failures(judgement) == {"foot_skate"}
-    assert judgement.verdict.failures[0].value == pytest.approx(0.05)
-
-
-def test_one_slip(op3, standing):
-    slide = np.zeros((200, 3))
-    slide[100:, 0] = 0.5 / 50.0
-    judgement = judge(standing(op3, frames=200, root_offset=slide), op3, physics=False)
-    assert failures(judgement) == {"foot_skate_peak"}
-    check = judgement.verdict.failures[0]
-    assert check.value == pytest.approx(0.5) and check.worst_frame == 99
-
-
 def test_swinging_feet_may_move(op3, standing):
     slide = np.zeros((100, 3))
     slide[:, 0] = 0.3 * np.arange(100) / 50.0
     assert judge(standing(op3, frames=100, root_offset=slide, contacts=False), op3, physics=False).passed
 
 
-def test_legs_into_each_other(op3, standing):
-    crossed = {"l_hip_roll": np.full(50, 0.35), "r_hip_roll": np.full(50, -0.35)}
-    uncrossed = {"l_hip_roll": np.full(50, -0.35), "r_hip_roll": np.full(50, 0.35)}
-    verdicts = [
-        judge(standing(op3, root_offset=[0, 0, 0.1], joints=joints, contacts=False), op3, physics=False).verdict
-        for joints in (crossed, uncrossed)
-    ]
-    failed = [{check.name for check in verdict.failures} for verdict in verdicts]
-    assert sorted(failed, key=len) == [set(), {"self_collision"}]
-
-
 @pytest.mark.parametrize("name", ["op3", "g1"])
 def test_leaning_robot_falls(name, request, standing):
     robot = request.getfixturevalue(name)
-    lean = 0.45 * np.clip((np.arange(150) - 25) / 50, 0, 1)
+    lean = {"op3": 0.88, "g1": 0.45}[name] * np.clip((np.arange(150) - 25) / 50, 0, 1)
     ankles = {"op3": {"l_ank_pitch": 0.35, "r_ank_pitch": -0.35}, "g1": dict.fromkeys(
         ("left_ankle_pitch_joint", "right_ankle_pitch_joint"), -0.25)}[name]  # fmt: skip
     signs = {"op3": {"l_ank_pitch": -1, "r_ank_pitch": 1}, "g1": dict.fromkeys(ankles, 1)}[name]
@@ -158,7 +93,7 @@ def test_joint_order_does_not_matter(op3, standing):
 
 
 def test_same_verdict_twice(op3, standing):
-    trajectory = standing(op3, joints={"l_el": 0.6 + sine(0.3, 5.0, 50, 50.0)})
+    trajectory = standing(op3, joints={"l_el": 0.6 + 0.3 * np.sin(0.1 * np.arange(50))})
     assert judge(trajectory, op3).verdict == judge(trajectory, op3).verdict
 
 

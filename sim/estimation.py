@@ -1,0 +1,129 @@
+"""What a controller may know of the robot: the simulation's true state, or what encoders and an IMU tell.
+
+The estimate takes joint angles in whole encoder steps, joint speeds as their differences over a cycle through a
+first-order filter, orientation and turning rate from the IMU with noise, and the root's position by leg odometry: the
+feet that should stand are taken to be where the plan puts them.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ros_free_stack.messages import Floats
+from ros_free_stack.robot_model import joint_addresses
+from ros_free_stack.robots import RobotDescription
+from sim.actuation import Servos
+from sim.plan import Plan
+
+StateName = Literal["true", "estimated"]
+
+VELOCITY_CUTOFF_HZ = 12.0
+"""Of the low-pass filters of joint speeds and of the root's speed."""
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """Standard deviations of the sensors' white noise: rad, rad, rad/s.
+
+    The defaults are those of a small IMU with orientation filter (0.1 deg of tilt from sample to sample, 0.3 deg/s of
+    rate) and of encoders whose only error are their steps.
+    """
+
+    encoder: float = 0.0
+    tilt: float = 0.0017
+    rate: float = 0.005
+
+
+class Estimator(Protocol):
+    """Where the robot is believed to be."""
+
+    def believe(self, cycle: int, actual: mujoco.MjData) -> mujoco.MjData:
+        """The state believed at a cycle of the plan, with its kinematics."""
+        ...
+
+
+class TrueState:
+    """The simulation's own state."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+
+    def believe(self, cycle: int, actual: mujoco.MjData) -> mujoco.MjData:
+        """See `Estimator`."""
+        del cycle
+        self._data.qpos[:], self._data.qvel[:] = actual.qpos, actual.qvel
+        return posed(self._model, self._data)
+
+
+class EncodersAndImu:
+    """The state as joint encoders and an IMU in the root tell it."""
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        robot: RobotDescription,
+        servos: Servos,
+        plan: Plan,
+        noise: SensorNoise,
+        rng: np.random.Generator,
+    ) -> None:
+        self._model, self._servos, self._plan, self._noise, self._rng = model, servos, plan, noise, rng
+        self._data = mujoco.MjData(model)
+        self._positions, self._dofs = joint_addresses(model, robot)
+        self._free = model.nv > len(robot.joints)
+        self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
+        self._middles = [np.mean(sole.corners, axis=0) for sole in robot.soles.values()]
+        self._share = 1 - np.exp(-2 * np.pi * VELOCITY_CUTOFF_HZ * plan.cycle_s)
+        self._angles: Floats | None = None
+        self._root = np.zeros(3)
+        self._standing = np.zeros(len(self._bodies), dtype=bool)
+
+    def believe(self, cycle: int, actual: mujoco.MjData) -> mujoco.MjData:
+        """See `Estimator`."""
+        data, dt = self._data, self._plan.cycle_s
+        angles = actual.qpos[self._positions]
+        angles = self._servos.rounded(angles + self._rng.normal(0, 1, len(angles)) * self._noise.encoder)
+        if self._angles is not None:
+            speed = (angles - self._angles) / dt
+            data.qvel[self._dofs] += self._share * (speed - data.qvel[self._dofs])
+        data.qpos[self._positions] = angles
+        if self._free:
+            tilt = Rotation.from_rotvec(self._rng.normal(0, self._noise.tilt, 3))
+            true = Rotation.from_quat(actual.qpos[3:7], scalar_first=True)
+            data.qpos[3:7] = (tilt * true).as_quat(scalar_first=True)
+            data.qvel[3:6] = actual.qvel[3:6] + self._rng.normal(0, self._noise.rate, 3)
+            self._walk(cycle)
+        self._angles = angles
+        return posed(self._model, data)
+
+    def _walk(self, cycle: int) -> None:
+        """Put the root where the standing feet say, and keep it moving on where none stands."""
+        data, plan, dt = self._data, self._plan, self._plan.cycle_s
+        standing = plan.standing[cycle]
+        if standing.any():
+            data.qpos[:3] = 0.0
+            mujoco.mj_kinematics(self._model, data)
+            offsets = [
+                plan.feet[cycle, foot] - data.xpos[body] - data.xmat[body].reshape(3, 3) @ middle
+                for foot, (body, middle) in enumerate(zip(self._bodies, self._middles, strict=True))
+                if standing[foot]
+            ]
+            root = np.mean(offsets, axis=0)
+            if self._angles is not None and np.array_equal(standing, self._standing):
+                data.qvel[:3] += self._share * ((root - self._root) / dt - data.qvel[:3])
+        else:
+            data.qvel[2] += self._model.opt.gravity[2] * dt
+            root = self._root + data.qvel[:3] * dt
+        self._standing = standing
+        self._root = data.qpos[:3] = root
+
+
+def posed(model: mujoco.MjModel, data: mujoco.MjData) -> mujoco.MjData:
+    """The same data with positions and velocities of bodies for its `qpos` and `qvel`."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_comVel(model, data)
+    return data

@@ -1,0 +1,196 @@
+"""What breaks one rule fails that rule alone, for every check there is."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from ros_free_stack.messages import RobotTrajectory
+from ros_free_stack.robots import RobotDescription
+from sim.model import judging_model, size_scale
+from sim.playback import FallLimits, Playback, play, set_stage
+from sim.reference import Reference, make_reference
+from sim.robustness import Robustness
+from sim.thresholds import LEVELS, Level, Threshold, load_thresholds
+from sim.verdict import judge, kinematic_checks, playback_checks, robustness_check
+
+LIMITS = FallLimits(0.1, 0.8)
+
+
+def sine(amplitude: float, omega: float, frames: int, fps: float) -> np.ndarray:
+    return amplitude * np.sin(omega * np.arange(frames) / fps)
+
+
+def out_of_range(op3, make):
+    return make(op3, frames=200, joints={"head_pan": np.linspace(0, op3.joints["head_pan"].upper + 0.1, 200)})
+
+
+def too_fast(op3, make):
+    omega = 6.0
+    pan = sine(1.2 * op3.joints["head_pan"].velocity / omega, omega, 200, 200.0)
+    return make(op3, frames=200, fps=200.0, joints={"head_pan": pan})
+
+
+def too_much_acceleration(op3, make):
+    omega = 25.0
+    pan = sine(1.3 * op3.joints["head_pan"].acceleration / omega**2, omega, 200, 200.0)
+    return make(op3, frames=200, fps=200.0, joints={"head_pan": pan})
+
+
+def shaky(op3, make):
+    omega = 2 * np.pi * 25.0
+    pan = sine(0.9 * op3.joints["head_pan"].acceleration / omega**2, omega, 400, 400.0)
+    return make(op3, frames=400, fps=400.0, joints={"head_pan": pan})
+
+
+def crossed_legs(op3, make):
+    crossed = {"l_hip_roll": np.full(50, 0.35), "r_hip_roll": np.full(50, -0.35)}
+    return make(op3, root_offset=[0, 0, 0.1], joints=crossed, contacts=False)
+
+
+def sunk(op3, make):
+    return make(op3, root_offset=[0, 0, -0.02])
+
+
+def hovering(op3, make):
+    return make(op3, root_offset=[0, 0, 0.02])
+
+
+def skating(op3, make):
+    slide = np.zeros((100, 3))
+    slide[:, 1] = 0.05 * np.arange(100) / 50.0
+    return make(op3, frames=100, root_offset=slide)
+
+
+def one_slip(op3, make):
+    slide = np.zeros((200, 3))
+    slide[100:, 0] = 0.2 / 50.0
+    return make(op3, frames=200, root_offset=slide)
+
+
+def on_one_leg_with_the_weight_on_both(op3, make):
+    trajectory = make(op3)
+    return dataclasses.replace(trajectory, contacts=trajectory.contacts & [True, False])
+
+
+def limbs_out_of_step(op3, make):
+    """Both arms and the head sway slowly, each in its own irregular rhythm."""
+    rng, time = np.random.default_rng(2), np.arange(200) / 50.0
+    joints = {
+        name: 0.2 * sum(np.sin(2 * np.pi * f * time + rng.uniform(0, 6)) for f in rng.uniform(0.5, 1.5, 2))
+        for name in ("l_sho_pitch", "r_sho_pitch", "head_pan")
+    }
+    return make(op3, frames=200, joints=joints)
+
+
+def contorted(op3, make):
+    """Legs lifted to the sides of the trunk, arms folded behind it."""
+    left = {"l_sho_pitch": 2.15, "l_sho_roll": 0.36, "l_el": 1.1, "l_hip_roll": 0.07, "l_hip_pitch": 1.51}
+    right = {"r" + name[1:]: -value for name, value in left.items()}
+    joints = {name: np.full(50, value) for name, value in (left | right).items()}
+    return make(op3, root_offset=[0, 0, 0.3], joints=joints, contacts=False)
+
+
+Maker = Callable[[RobotDescription, Callable[..., RobotTrajectory]], RobotTrajectory]
+KINEMATIC: dict[str, tuple[Maker, Level]] = {
+    "joint_range": (out_of_range, "default"),
+    "joint_velocity": (too_fast, "default"),
+    "joint_acceleration": (too_much_acceleration, "default"),
+    "jerk": (shaky, "default"),
+    "self_collision": (crossed_legs, "default"),
+    "ground_penetration": (sunk, "default"),
+    "floating": (hovering, "default"),
+    "foot_skate": (skating, "default"),
+    "foot_skate_peak": (one_slip, "default"),
+    "zmp_outside": (on_one_leg_with_the_weight_on_both, "strict"),
+    "temporal_coherence": (limbs_out_of_step, "default"),
+    "spatial_coherence": (contorted, "default"),
+}
+
+
+@pytest.mark.parametrize("name", KINEMATIC)
+def test_a_trajectory_that_breaks_one_rule(name, op3, standing):
+    maker, level = KINEMATIC[name]
+    judgement = judge(maker(op3, standing), op3, physics=False, level=level)
+    assert {check.name for check in judgement.verdict.failures} == {name}, judgement.verdict.checks
+    (check,) = judgement.verdict.failures
+    assert check.meaning and check.unit
+
+
+@pytest.fixture(scope="module")
+def played(op3, standing) -> tuple[Reference, Playback]:
+    """A standing robot, played."""
+    reference = make_reference(standing(op3), op3, judging_model(op3))
+    return reference, play(set_stage(reference), LIMITS)
+
+
+def moved(playback: Playback, body: int | slice, by: float) -> np.ndarray:
+    positions = playback.body_pos.copy()
+    positions[:, body, 0] += by
+    return positions
+
+
+PLAYED: dict[str, Callable[[Reference, Playback], dict[str, object]]] = {
+    "fall_height": lambda r, p: {"height_error": p.height_error + 0.2},
+    "fall_orientation": lambda r, p: {"orientation_error": p.orientation_error + 0.9},
+    "mpjpe_global": lambda r, p: {"body_pos": moved(p, slice(None), 0.2)},
+    "mpjpe_relative": lambda r, p: {"body_pos": moved(p, r.model.body("l_el_link").id, 0.25)},
+    "joint_velocity_error": lambda r, p: {"joint_vel": p.joint_vel + 1.5},
+    "torque_peak": lambda r, p: {"needed": p.needed + 1.6 * r.robot.effort},
+    "torque_saturation": lambda r, p: {"saturated": np.maximum(p.saturated, 0.5)},
+    "power_peak": lambda r, p: {"power": p.power + 61.0},
+    "servo_heat": lambda r, p: {"heating": p.heating + 46.0},
+}
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_a_playback_that_breaks_one_rule(name, played):
+    reference, playback = played
+    limits = load_thresholds("default", scale=size_scale(reference.robot, reference.model))
+    checks = playback_checks(reference, playback, limits, "free")
+    assert all(check.passed for check in checks)
+    broken = dataclasses.replace(playback, **PLAYED[name](reference, playback))
+    checks = playback_checks(reference, broken, limits, "free")
+    assert {check.name for check in checks if not check.passed} == {name}
+
+
+def test_a_motion_that_seldom_succeeds():
+    limit = load_thresholds("default", scale=1.0)["robustness"]
+    assert not robustness_check(Robustness(runs=20, stood=10), limit).passed
+    assert robustness_check(Robustness(runs=20, stood=20), limit).passed
+
+
+def test_no_check_is_left_out(op3, played):
+    """Every threshold belongs to a check, every check is broken above."""
+    reference, playback = played
+    limits = load_thresholds("default", scale=1.0)
+    checks = kinematic_checks(reference, limits, "free", 1.0) + playback_checks(reference, playback, limits, "free")
+    assert {check.name for check in checks} | {"robustness"} == set(limits)
+    assert KINEMATIC.keys() | PLAYED.keys() | {"robustness"} == set(limits)
+
+
+@pytest.mark.parametrize("name", load_thresholds("default", scale=1.0))
+def test_levels_are_ordered(name):
+    limits: list[Threshold] = [load_thresholds(level, scale=1.0)[name] for level in LEVELS]
+    values = [limit.limit * (-1 if limit.minimum else 1) for limit in limits]
+    assert values == sorted(values)
+    assert limits[0].source and limits[0].unit
+
+
+def test_a_somersault_fails_in_physics(op3, standing):
+    """The reference turns over backwards in the air as if nothing weighed anything."""
+    frames = 150
+    turn = np.clip((np.arange(frames) - 30) / 90, 0, 1) * -2 * np.pi
+    rise = np.zeros((frames, 3))
+    rise[:, 2] = 0.25 * (1 - np.cos(turn)) / 2
+    trajectory = standing(op3, frames=frames, root_offset=rise)
+    flying = (turn != 0) & (turn != turn[-1])
+    trajectory = dataclasses.replace(
+        trajectory,
+        root_quat=Rotation.from_rotvec(turn[:, None] * [0, 1, 0]).as_quat(scalar_first=True),
+        contacts=np.repeat(~flying[:, None], 2, axis=1),
+    )
+    judgement = judge(trajectory, op3)
+    assert {"fall_height", "fall_orientation"} & {check.name for check in judgement.verdict.failures}
