@@ -26,8 +26,8 @@ def gl_context(width: int, height: int) -> Iterator[None]:
     try:
         from OpenGL.GL import GL_RENDERER, glGetString
 
-        driver = glGetString(GL_RENDERER).decode(errors="replace").split(" (")[0]
-        say(f"drawing with {backend.upper()} on {driver}")
+        driver = bytes(glGetString(GL_RENDERER) or b"an unnamed driver").decode(errors="replace")
+        say(f"drawing with {backend.upper()} on {driver.partition(' (')[0]}")
         yield
     finally:
         context.free()

@@ -108,16 +108,7 @@ def contains(polygon: Floats, point: Floats) -> bool:
 
 def add_ball(scene: mujoco.MjvScene, position: Floats, *, radius: float, colour: Colour) -> None:
     """A sphere at a position (3,) m."""
-    geom = _next(scene)
-    if geom is not None:
-        mujoco.mjv_initGeom(
-            geom,
-            mujoco.mjtGeom.mjGEOM_SPHERE,
-            np.full(3, radius),
-            position,
-            np.eye(3).ravel(),
-            np.array(colour, np.float32),
-        )
+    _put(scene, mujoco.mjtGeom.mjGEOM_SPHERE, colour, np.full(3, radius), position, np.eye(3))
 
 
 def add_rod(scene: mujoco.MjvScene, start: Floats, end: Floats, *, radius: float, colour: Colour) -> None:
@@ -133,25 +124,25 @@ def _add_patch(scene: mujoco.MjvScene, corners: Floats, colour: Colour, *, size:
     angle = float(np.arctan2(ahead[1], ahead[0]))
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     half = np.abs(flat @ turn[:2, :2]).max(axis=0) + 0.012 * size
-    geom = _next(scene)
-    if geom is not None:
-        sizes = np.append(half, 0.002 * size)
-        mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_BOX, sizes, middle, turn.ravel(), np.array(colour, np.float32))
+    _put(scene, mujoco.mjtGeom.mjGEOM_BOX, colour, np.append(half, 0.002 * size), middle, turn)
 
 
 def _add(scene: mujoco.MjvScene, kind: int, colour: Colour, start: Floats, end: Floats, radius: float) -> None:
-    geom = _next(scene)
+    geom = _put(scene, kind, colour, np.zeros(3), np.zeros(3), np.eye(3))
     if geom is not None:
-        mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), np.array(colour, np.float32))
-        mujoco.mjv_connector(geom, kind, radius, np.asarray(start, float), np.asarray(end, float))
+        mujoco.mjv_connector(geom, kind, radius, start, end)
 
 
-def _next(scene: mujoco.MjvScene) -> "mujoco.MjvGeom | None":
-    """The scene's next free geom, or None where it is full."""
+def _put(
+    scene: mujoco.MjvScene, kind: int, colour: Colour, size: Floats, position: Floats, rotation: Floats
+) -> "mujoco.MjvGeom | None":
+    """The scene's next free geom, filled in; None where the scene is full."""
     if scene.ngeom >= scene.maxgeom:
         return None
     scene.ngeom += 1
-    return scene.geoms[scene.ngeom - 1]
+    geom = scene.geoms[scene.ngeom - 1]
+    mujoco.mjv_initGeom(geom, kind, size, position, rotation.ravel(), np.array(colour, np.float32))
+    return geom
 
 
 def _side(joint: int) -> Colour:
