@@ -21,6 +21,7 @@ from ros_free_stack.console import Command, progress, say
 from ros_free_stack.errors import InvalidOption, StackError, UnknownName
 from ros_free_stack.messages import HumanMotion, Mount, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
+from sim.cli import Validate as ValidateAlone
 
 if TYPE_CHECKING:
     from generator.text.encoder import TextEncoder
@@ -38,8 +39,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "generate": ("generator.cli:Generate", "a sentence to human motion"),
     "retarget": ("retarget.cli:Retarget", "a human motion to a robot's trajectory"),
     "convert": ("ros_free_stack.formats.cli:Convert", "a motion file to another format"),
-    "validate": ("sim.cli:Validate", "judge a trajectory in MuJoCo"),
+    "validate": ("launch:Validate", "judge a trajectory in MuJoCo, and repair it on request"),
     "render": ("sim.cli:Render", "draw a trajectory as a video"),
+    "play": ("sim.play:Play", "show a motion in a window or a browser"),
     "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
     "data build": ("generator.data.cli:DataBuild", "make the training corpus"),
     "data show": ("generator.data.cli:DataShow", "draw one clip of the corpus"),
@@ -169,10 +171,33 @@ class Pipeline:
 
         return judge(trajectory, self.robot, mount=self.mount)
 
+    def repair(self, candidate: Candidate) -> Candidate:
+        """The candidate, or what the ladder of other controllers and gentler motions makes of it."""
+        from sim.repair import repair
+
+        reports = {candidate.trajectory.digest: candidate.report}
+
+        def retarget(motion: HumanMotion) -> RobotTrajectory:
+            trajectory, reports[trajectory.digest] = self.retarget(motion)
+            return trajectory
+
+        found = repair(candidate.trajectory, self.robot, motion=candidate.motion, retarget=retarget, mount=self.mount)
+        motion = found.motion or candidate.motion
+        return Candidate(
+            motion, candidate.distance, found.trajectory, reports[found.trajectory.digest], found.judgement
+        )
+
     def candidates(
-        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int, timings: Timings
+        self,
+        prompt: str,
+        segments: tuple[str, ...],
+        *,
+        seed: int,
+        candidates: int,
+        timings: Timings,
+        repair: bool = False,
     ) -> tuple[Candidate, ...]:
-        """Generate, retarget and judge; the preferred candidate comes first."""
+        """Generate, retarget and judge; the preferred candidate comes first, repaired where none passes."""
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
             distances = self.distances(prompt, motions)
@@ -183,7 +208,11 @@ class Pipeline:
                 trajectory, report = self.retarget(motion)
             with timings.measure("validate"):
                 found.append(Candidate(motion, distance, trajectory, report, self.judge(trajectory)))
-        return tuple(sorted(found, key=lambda candidate: candidate.order))
+        found.sort(key=lambda candidate: candidate.order)
+        if repair and not found[0].judgement.passed:
+            with timings.measure("repair"):
+                found[0] = self.repair(found[0])
+        return tuple(found)
 
     def _encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder
@@ -220,6 +249,8 @@ class Run(Command):
     """Seed of all randomness: the same seed gives the same motion."""
     candidates: int = 4
     """How many motions to try; the best feasible one is kept."""
+    repair: bool = True
+    """Where no candidate passes, try whole-body control and a slower or smaller motion of the best one."""
     servo: str | None = None
     """Stream the result: `sim` for a virtual bus, or a serial port such as /dev/ttyUSB0 (several with commas)."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -255,7 +286,14 @@ class Run(Command):
         with timings.measure("text"):
             segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
         make_folder(self.out)
-        found = pipeline.candidates(self.prompt, segments, seed=self.seed, candidates=self.candidates, timings=timings)
+        found = pipeline.candidates(
+            self.prompt,
+            segments,
+            seed=self.seed,
+            candidates=self.candidates,
+            timings=timings,
+            repair=self.repair,
+        )
         best = found[0]
         files = self._save(best, timings)
         try:
@@ -272,7 +310,11 @@ class Run(Command):
             "in_domain": in_domain,
             "candidates": [candidate.as_dict() for candidate in found],
             "retarget": best.report.as_dict(),
-            "verdict": {"passed": verdict.passed, "checks": [asdict(check) for check in verdict.checks]},
+            "verdict": {
+                "passed": verdict.passed,
+                "checks": [asdict(check) for check in verdict.checks],
+                "notes": list(verdict.notes),
+            },
             "servo": servo,
             "timings_s": {stage: round(seconds, 3) for stage, seconds in timings.seconds.items()},
             "files": files,
@@ -352,6 +394,7 @@ class Run(Command):
             yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
         feasible = sum(candidate.judgement.passed for candidate in found)
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
+        yield from (note for note in verdict.notes if note.startswith(("changed", "tried")))
         for check in verdict.failures:
             yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
         if servo is not None and self.dry_run:
@@ -363,6 +406,50 @@ class Run(Command):
             )
         yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
         yield f"report: {self.out / 'report.html'}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validate(ValidateAlone):
+    """Judge a trajectory: limits, contacts, coherence, and a playback in physics. Exit code 3 where it fails.
+
+    Examples:
+        python launch.py validate trajectory.npz --out out/
+        python launch.py validate trajectory.npz --level strict --perturbed 20
+        python launch.py validate trajectory.npz --motion human_motion.npz --repair --out out/
+    """
+
+    repair: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Where it fails, try whole-body control, then slower and smaller motions, retargeted anew; needs --motion.
+    trajectory.npz and human_motion.npz of what passed are written beside the verdict."""
+
+    def run(self) -> int:
+        if self.repair and (self.motion is None or self.out is None or not self.physics):
+            raise InvalidOption("--repair", "needs the human motion (--motion), a folder (--out) and physics")
+        return super().run()
+
+    def _judge(
+        self, trajectory: RobotTrajectory, motion: HumanMotion | None, robot: RobotDescription
+    ) -> "tuple[RobotTrajectory, HumanMotion | None, Judgement]":
+        if not self.repair or self.out is None:
+            return super()._judge(trajectory, motion, robot)
+        from retarget.pipeline import Retargeter
+        from ros_free_stack.files import save_motion, save_trajectory
+        from sim.repair import repair
+
+        retargeter = Retargeter(robot)
+        found = repair(
+            trajectory,
+            robot,
+            motion=motion,
+            retarget=lambda changed: retargeter.retarget(changed, fps=trajectory.fps).trajectory,
+            mount=self.mount,
+            level=self.level,
+            perturbed=self.perturbed,
+        )
+        save_trajectory(self.out / "trajectory.npz", found.trajectory)
+        if found.motion is not None:
+            save_motion(self.out / "human_motion.npz", found.motion)
+        return found.trajectory, found.motion, found.judgement
 
 
 @dataclass(frozen=True, kw_only=True)

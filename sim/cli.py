@@ -9,7 +9,9 @@ import tyro
 from ros_free_stack.console import Command
 
 if TYPE_CHECKING:
-    from ros_free_stack.messages import Check
+    from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory
+    from ros_free_stack.robots import RobotDescription
+    from sim.verdict import Judgement
 
 INFEASIBLE = 3
 
@@ -24,6 +26,14 @@ class Validate(Command):
     """`fixed` for a robot held by its root, for which floor and balance do not count."""
     level: Literal["strict", "default", "lenient"] = "default"
     """How strict the limits are."""
+    controller: Literal["pd", "default", "wbc"] = "default"
+    """What moves the robot: plain servo goals, these with feedforward and ankle feedback, or whole-body control."""
+    state: Literal["true", "estimated"] = "true"
+    """What the controller reads: the simulation's own state, or an estimate from joint encoders and an IMU."""
+    perturbed: int = 0
+    """Also play so many runs with another mass, friction, latency, a push and noisy sensors, for the success rate."""
+    seed: int = 0
+    """Seed of the perturbed runs."""
     physics: bool = True
     """Also play the trajectory in physics; without, nothing is written."""
     motion: Path | None = None
@@ -41,12 +51,13 @@ class Validate(Command):
         from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, make_folder, save_verdict
         from ros_free_stack.robots import load_robot
         from sim.report import write_report
-        from sim.verdict import judge
 
         if self.out is not None and not self.physics:
             raise InvalidOption(
                 "--no-physics", "a verdict file opens the way to servos, so it needs the physics playback"
             )
+        if self.perturbed and not self.physics:
+            raise InvalidOption("--perturbed", "needs the physics playback: leave --no-physics out")
         trajectory = load_trajectory(self.trajectory)
         robot = load_robot(trajectory.robot)
         motion = None if self.motion is None else load_motion(self.motion)
@@ -54,7 +65,7 @@ class Validate(Command):
         if self.out is not None:
             make_folder(self.out)
         started = perf_counter()
-        judgement = judge(trajectory, robot, mount=self.mount, physics=self.physics, level=self.level)
+        trajectory, motion, judgement = self._judge(trajectory, motion, robot)
         seconds = perf_counter() - started
         verdict = judgement.verdict
         result: dict[str, Any] = {"passed": verdict.passed, **asdict(verdict), "judge_s": seconds}
@@ -69,6 +80,25 @@ class Validate(Command):
             lines.append(f"report: {report}")
         self.report(result, *lines)
         return 0 if verdict.passed else INFEASIBLE
+
+    def _judge(
+        self, trajectory: "RobotTrajectory", motion: "HumanMotion | None", robot: "RobotDescription"
+    ) -> "tuple[RobotTrajectory, HumanMotion | None, Judgement]":
+        """The judgement, with the trajectory and the human motion that it is about."""
+        from sim.verdict import judge
+
+        judgement = judge(
+            trajectory,
+            robot,
+            mount=self.mount,
+            physics=self.physics,
+            level=self.level,
+            controller=self.controller,
+            state=self.state,
+            perturbed=self.perturbed,
+            seed=self.seed,
+        )
+        return trajectory, motion, judgement
 
 
 def _line(check: "Check") -> str:
