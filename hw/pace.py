@@ -12,7 +12,8 @@ def realtime_priority() -> Iterator[bool]:
     """Run this thread ahead of ordinary ones where the system lets us; yields whether it does."""
     try:
         before = os.sched_getscheduler(0), os.sched_getparam(0)
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
+        # In turns: on a single core, driver and emulated bus would otherwise keep each other from running.
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_PRIORITY))
     except (AttributeError, OSError):
         # Not Linux, or not permitted.
         yield False

@@ -28,6 +28,7 @@ from ros_free_stack.robots import RobotDescription
 
 _TICK_S = 4e-3
 _QUIET_S = 0.1
+_SPARE_S = 1e-3
 _BITS_PER_BYTE = 10
 _RATES = {getattr(termios, f"B{rate}"): rate for rate in BAUD_RATES if hasattr(termios, f"B{rate}")}
 """The terminal's code of each rate that it knows by name."""
@@ -220,6 +221,9 @@ class VirtualBus:
             due += sum(reply.delay_s + byte_s * len(reply.data) for reply in replies)
         self._free = due
         data = b"".join(self.faults.distort(reply.data) for reply in replies)
+        now = time.perf_counter()
+        if due - now > _SPARE_S and now - self._now > _TICK_S / 2:
+            self._advance()  # while the wire is busy: after the answer it would keep the next instruction waiting
         _sleep_until(due)
         if data:
             os.write(self._master, data)
