@@ -530,7 +530,7 @@ def main(arguments: list[str]) -> int:
         print(usage())
         return 0
     group = f"{arguments[0]} "
-    if len(arguments) == 1 and any(name.startswith(group) for name in COMMANDS):
+    if arguments[1:] in ([], ["-h"], ["--help"]) and any(name.startswith(group) for name in COMMANDS):
         print(usage(prefix=group))
         return 0
     # PyTorch's threads spin while they wait, which makes it many times slower where cores are shared.

@@ -188,6 +188,13 @@ def test_every_command_has_help(name: str, capsys):
     assert "--json" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("asked", [[], ["--help"], ["-h"]])
+def test_a_group_lists_its_commands(asked: list[str], capsys):
+    assert launch.main(["servos", *asked]) == 0
+    shown = capsys.readouterr().out
+    assert "servos scan" in shown and "data build" not in shown
+
+
 def test_help_is_quick_to_import():
     """The table of commands alone pulls in no model library."""
     import subprocess
