@@ -15,17 +15,16 @@ from retarget.solver import POSTURE, STANDING_POSTURE
 from retarget.targets import Targets
 from retarget.trajectory_qp import LimitedDifferences, Quadratic, SoftRows
 from retarget.trajectory_terms import CORNERS, trajectory_terms
-from ros_free_stack.messages import Bools, Floats
+from ros_free_stack.messages import Floats
 
 HELD_WEIGHTS = (2000.0, 600.0)
 """Weights of (position, rotation) of a foot that stands: it gives way by micrometres."""
 LANDING = 0.006
 """Height of a sole, in lengths of a leg, below which a swinging foot is led like one that stands, lest it scrapes."""
+CLEAR = 0.01
+"""The same above which a swinging sole stays where the plan has it higher."""
 LOW = 0.1
 """Height in lengths of a leg below which a corner of a swinging sole is kept above the floor."""
-LIMB_SHARE = 0.17
-"""What a distance between limbs counts beside one of a sole from the floor: where limbs must touch, a millimetre is not
-worth another pose."""
 SMOOTHNESS = 10.0
 """Weight of a joint's change of step at `RATE` frames a second."""
 ROOT_SMOOTHNESS = (100.0, 100.0)
@@ -33,7 +32,7 @@ ROOT_SMOOTHNESS = (100.0, 100.0)
 RATE = 50.0
 ROOM = 1e-6
 """Least distance in rad that is kept from every limit of a joint."""
-NEAR_LIMIT = 0.5
+NEAR_LIMIT = 0.2
 """Share of a limit from which a joint's step, or change of step, is watched."""
 
 
@@ -84,7 +83,9 @@ class ClipProblem:
         self._bounds = JointBounds.of(geometry.robot, targets.fps)
         # A held root, and joints that only follow others.
         self._fixed = JointBounds.tangent(geometry, targets.fps).step == 0
-        self._held = targets.contacts[stretch.frames] | self._landing(targets)
+        planned = self._planned_heights(targets)
+        self._held = targets.contacts[stretch.frames] | (planned < LANDING * self._length)
+        self._clear = np.clip(planned, 0.0, CLEAR * self._length)
         self._inputs = self._frame_inputs(targets, com)
         self._posture = POSTURE + (1 - targets.following[stretch.frames, None]) * (STANDING_POSTURE - POSTURE)
         root = np.repeat(ROOT_SMOOTHNESS, 3) / np.repeat([self._length, 1.0], 3) ** 2
@@ -142,24 +143,22 @@ class ClipProblem:
     def _away(self, qpos: Floats) -> Floats:
         return qpos[:, self._index] - self._standing[self._index]
 
-    def _landing(self, targets: Targets) -> Bools:
-        """(n, F) whether a foot should be just above the floor."""
+    def _planned_heights(self, targets: Targets) -> Floats:
+        """(n, F) height of the lowest corner of each sole."""
         frames, feet = self.stretch.frames, self._model.geometry.feet
-        if not feet:
-            return np.zeros((len(self.stretch), 0), dtype=bool)
-        offsets = np.stack([foot.corners - foot.centre for foot in feet])
+        offsets = np.array([foot.corners - foot.centre for foot in feet]).reshape(len(feet), CORNERS, 3)
         lowest = np.einsum("nfj,fcj->nfc", targets.sole_rotations[frames, :, 2], offsets).min(axis=2)
-        return targets.soles[frames, :, 2] + lowest < LANDING * self._length
+        return targets.soles[frames, :, 2] + lowest
 
     def _soft_rows(self, terms: dict[str, Floats], near: Clearances) -> SoftRows:
-        """Swinging soles above the floor, limbs apart."""
-        height = terms["height"][:, 0]
+        """Swinging soles clear of the floor, limbs apart."""
+        height = terms["height"][:, 0] - np.repeat(self._clear, CORNERS, axis=1)
         swinging = np.repeat(~self._held, CORNERS, axis=1)
         frame, corner = np.nonzero(swinging & (height < LOW * self._length))
         frames = np.concatenate([frame, near.frame])
-        jacobian = np.concatenate([terms["height_jacobian"][frame, corner], LIMB_SHARE * near.jacobian])
+        jacobian = np.concatenate([terms["height_jacobian"][frame, corner], near.jacobian])
         jacobian[:, self._fixed] = 0.0
-        lower = -np.concatenate([height[frame, corner], LIMB_SHARE * near.room])
+        lower = -np.concatenate([height[frame, corner], near.room])
         order = np.argsort(frames, kind="stable")
         return SoftRows(frames[order], jacobian[order], lower[order])
 

@@ -21,6 +21,8 @@ APPROACH_RATE = 12.0
 """Share of the distance left by which two limbs may approach each other, a second."""
 NEAR_M = 0.08
 """Distance beyond the margin from which two limbs are left out: more than two hands close in one frame."""
+AHEAD = 5.0
+"""Frames for which the nearest limbs are foreseen."""
 MARGIN = 0.005
 """Distance to keep, in lengths of a leg."""
 
@@ -44,14 +46,13 @@ class Collision:
 
     def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
         """Build and compile the distances of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
-        limbs = list(geometry.robot.capsules)
-        pairs = [(limbs.index(a), limbs.index(b)) for a, b in _capsule_pairs(geometry)]
-        self._first, self._second = np.array(pairs, dtype=int).reshape(-1, 2).T
+        self._first, self._second, self._nearest = capsule_pairs(geometry)
+        self._limbs = np.searchsorted(self._nearest, np.arange(len(self._first)), side="right")
         function = proximity(geometry)
         self._function = BufferedFunction(compiled(function) if machine_code else function)
         self._lines = self._function.outputs["lines"].T
         self._jacobians = self._function.outputs["jacobians"].T
-        self.margins = np.full(len(pairs), MARGIN * geometry.limb_length)
+        self.margins = np.full(len(self._first), MARGIN * geometry.limb_length)
         # Capsules that overlap in the standing pose are rounder there than what they stand for.
         self.margins = np.minimum(self.margins, self.distances(geometry.standing))
 
@@ -59,24 +60,33 @@ class Collision:
         """(M,) distances in m at a configuration (nq,); negative where capsules overlap."""
         return self._measure(qpos).copy()
 
-    def approach(self, qpos: Floats, frame_s: float, most: int | None = None) -> Approach:
+    def approach(self, qpos: Floats, frame_s: float, most: int | None = None, step: Floats | None = None) -> Approach:
         """How near limbs may come to each other in a frame of `frame_s` seconds that starts at `qpos` (nq,).
 
         The distance that is left above the margin, or missing, shrinks by at most, or at least, the same share. Pairs
-        beyond `NEAR_M` are left out, or all but the `most` nearest.
+        beyond `NEAR_M` are left out, or all but the `most` that will be nearest in `AHEAD` more of the last `step`
+        (nv,), one of each two limbs: hands that are about to meet come before feet that stand side by side.
         """
         left = self._measure(qpos) - self.margins
         if most is None:
             near = np.flatnonzero(left < NEAR_M)
         else:
-            near = np.argpartition(left, most - 1)[:most] if len(left) > most else np.arange(len(left))
-        # A pair parts at the speed of its line against its first limb less that against its second.
+            then = left if step is None else left + AHEAD * self._parting(step)
+            # Sorted by distance among those of the same two limbs, the nearest comes first.
+            near = np.lexsort((then, self._limbs))[self._nearest]
+            near = near[np.argpartition(then[near], most - 1)[:most]] if len(near) > most else near
         lines = np.zeros((len(near), len(self._jacobians) // 6, 6))
         pairs = np.arange(len(near))
         lines[pairs, self._first[near]] = self._lines[near]
         lines[pairs, self._second[near]] -= self._lines[near]
         jacobian = lines.reshape(len(near), -1) @ self._jacobians
         return Approach(jacobian, math.expm1(-APPROACH_RATE * frame_s) * left[near])
+
+    def _parting(self, step: Floats) -> Floats:
+        """(M,) how far the pairs part in a step (nv,)."""
+        velocities = (self._jacobians @ step).reshape(-1, 6)
+        # A pair parts at the speed of its line against its first limb less that against its second.
+        return np.einsum("ml,ml->m", self._lines, velocities[self._first] - velocities[self._second])
 
     def _measure(self, qpos: Floats) -> Floats:
         self._function.inputs["qpos"][:, 0] = qpos
@@ -138,10 +148,14 @@ def nearest_points(a: ca.SX, b: ca.SX, c: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX
     return a + s * u, c + t * v
 
 
-def _capsule_pairs(geometry: RobotGeometry) -> list[tuple[str, str]]:
-    """The two limbs of every pair of capsules, in the order of `proximity`."""
-    capsules = geometry.robot.capsules
-    return [(a, b) for a, b in geometry.robot.collision_pairs for _ in range(len(capsules[a]) * len(capsules[b]))]
+def capsule_pairs(geometry: RobotGeometry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(M,) first and (M,) second limb of every pair of capsules, in the order of `proximity`, and where in them the
+    pairs of each two limbs start."""
+    robot, limbs = geometry.robot, list(geometry.robot.capsules)
+    counts = [len(robot.capsules[a]) * len(robot.capsules[b]) for a, b in robot.collision_pairs]
+    pairs = np.array([(limbs.index(a), limbs.index(b)) for a, b in robot.collision_pairs], dtype=int).reshape(-1, 2)
+    first, second = np.repeat(pairs, counts, axis=0).T
+    return first, second, np.cumsum([0, *counts])[:-1]
 
 
 def _share(value: ca.SX) -> ca.SX:

@@ -122,6 +122,8 @@ def plan_contacts(contacts: Bools, heights: Floats, hold: Bools, fps: float) -> 
 def spread_footholds(paths: list[FootPath], corners: list[Floats], gap: float) -> list[FootPath]:
     """Paths whose feet never land closer than `gap` m to a standing sole: the foothold is moved away as a whole.
 
+    Swings are moved along.
+
     Args:
         paths: the scaled human feet, with their planned contacts.
         corners: (4, 3) of each sole from its ankle, in the sole's frame, m.
@@ -136,7 +138,22 @@ def spread_footholds(paths: list[FootPath], corners: list[Floats], gap: float) -
                 here = _sole_outline(ankles[i][start:end], paths[i].yaw[start:end], corners[i])
                 there = _sole_outline(ankles[k][slice(*standing)], other.yaw[slice(*standing)], corners[k])
                 ankles[i][start:end, :2] += _way_apart(here, there, gap)
-    return [replace(path, ankle=ankle) for path, ankle in zip(paths, ankles, strict=True)]
+    moved: list[FootPath] = []
+    for path, ankle in zip(paths, ankles, strict=True):
+        away = carried(ankle - path.ankle, path.contact)
+        moved.append(replace(path, ankle=path.ankle + away))
+    return moved
+
+
+def carried(moves: Floats, contact: Bools) -> Floats:
+    """(N, D) `moves` (N, D) of the stances, and smoothly from one stance's last to the next one's first between."""
+    found = np.where(contact[:, None], moves, 0.0)
+    for start, end in runs(~contact):
+        before = found[start - 1] if start else found[min(end, len(found) - 1)]
+        after = found[end] if end < len(found) else before
+        share = minimum_jerk(np.arange(1, end - start + 1) / (end - start + 1))[:, None]
+        found[start:end] = before + share * (after - before)
+    return found
 
 
 def _sole_outline(ankle: Floats, yaw: Floats, corners: Floats) -> Floats:

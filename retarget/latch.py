@@ -5,11 +5,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from retarget.footsteps import runs
+from retarget.footsteps import carried, runs
 from retarget.geometry import RobotGeometry
 from retarget.human import yaw_rotation
 from retarget.targets import Targets
-from retarget.timeline import minimum_jerk
 from ros_free_stack.messages import Bools, Floats
 
 
@@ -24,7 +23,8 @@ def latch(geometry: RobotGeometry, targets: Targets, qpos: Floats) -> Targets:
     for i in range(len(geometry.feet)):
         away = turns[:, i] @ np.swapaxes(rotations[:, i], 1, 2)
         yaw = np.arctan2(away[:, 1, 0] - away[:, 0, 1], away[:, 0, 0] + away[:, 1, 1])
-        moves = _held(np.column_stack([(places - soles)[:, i, :2], yaw]), targets.contacts[:, i])
+        contact = targets.contacts[:, i]
+        moves = carried(_held(np.column_stack([(places - soles)[:, i, :2], yaw]), contact), contact)
         soles[:, i, :2] += moves[:, :2]
         rotations[:, i] = yaw_rotation(moves[:, 2]) @ rotations[:, i]
     return replace(targets, soles=soles, sole_rotations=rotations)
@@ -44,13 +44,8 @@ def _feet(geometry: RobotGeometry, qpos: Floats) -> tuple[Floats, Floats]:
 
 
 def _held(moves: Floats, contact: Bools) -> Floats:
-    """(N, D) the median of `moves` (N, D) in each stance, and from one to the next between them."""
-    held = np.zeros_like(moves)
+    """(N, D) the median of `moves` (N, D) in each stance."""
+    held = moves.copy()
     for start, end in runs(contact):
         held[start:end] = np.median(moves[start:end], axis=0)
-    for start, end in runs(~contact):
-        before = held[start - 1] if start else held[min(end, len(held) - 1)]
-        after = held[end] if end < len(held) else before
-        share = minimum_jerk(np.arange(1, end - start + 1) / (end - start + 1))[:, None]
-        held[start:end] = before + share * (after - before)
     return held

@@ -45,7 +45,7 @@ PLANTED_M, PLANTED_RAD = 0.004, 0.03
 SETTLED_S = 0.1
 """A standing foot that has not reached its foothold by then is planted where it is, if it lies on the floor."""
 
-FOOT_SOFTNESS, FLOOR_SOFTNESS, LIMB_SOFTNESS = 1e-7, 1e-6, 1e-5
+FOOT_SOFTNESS, FLOOR_SOFTNESS, LIMB_SOFTNESS = 1e-7, 1e-6, 1e-7
 """Share of a violation that DAQP leaves, in each kind of soft rows."""
 _EQUALITY, _SOFT = 5, 8
 
@@ -246,7 +246,7 @@ class FrameSolver:
         inputs["start"][:, 0], inputs["step"][:], inputs["last"][:, 0] = self.qpos, 0.0, self.last
 
     def _keep_apart(self, frame_s: float) -> None:
-        inputs, approach = self._function.inputs, self._collision.approach(self.qpos, frame_s, NEAREST)
+        inputs, approach = self._function.inputs, self._collision.approach(self.qpos, frame_s, NEAREST, self.last)
         count = len(approach.least)
         inputs["apart_rows"][:, :count] = approach.jacobian.T
         inputs["apart"][:count, 0], inputs["apart"][count:] = approach.least, -UNBOUNDED

@@ -20,13 +20,14 @@ from ros_free_stack.messages import Bools, Floats
 
 SLACK_PRICE = 1e6
 """The price p: a soft row gives way by micrometres, unless it has to."""
-TOLERANCE, GAP = 1e-7, 1e-5
-"""Largest residuals of the conditions of optimality, and relative duality gap."""
+TOLERANCE, GAP = 1e-6, 1e-2
+"""Largest residuals of the conditions of optimality, and relative duality gap: the next program starts where this one
+ended, so only what is left of the rows counts."""
 UNIT = 0.1
 """Increments in rad or m that are one to the solver: its first guess then lies as far from the bounds as they are."""
 WATCHED = 0.25
 """Share of a limited difference's range, from either end, in which a row for it is added when another one is missed."""
-SOLVES, ENOUGH = 3, 0.6
+SOLVES, ENOUGH = 3, 0.2
 """Solutions in which rows may be missed, and the share of a step within all limits that is enough."""
 UNUSED = -1.0
 """Lower bound of a soft row that holds nothing."""
@@ -58,6 +59,14 @@ class LimitedDifferences:
     near: Bools
 
 
+@dataclass(frozen=True)
+class Increments:
+    """`values` (n, nv) of the frames, which are `share` of the solution: more would exceed a limit."""
+
+    values: Floats
+    share: float
+
+
 class TrajectoryQP:
     """Programs of one stretch with a common pattern, which grows where more rows come near their limits."""
 
@@ -74,8 +83,8 @@ class TrajectoryQP:
 
     def solve(
         self, cost: Quadratic, changes: Floats, box: tuple[Floats, Floats], soft: SoftRows, limits: LimitedDifferences
-    ) -> Floats | None:
-        """Increments (n, nv) of least cost, shortened where a joint would exceed a limit that was not foreseen.
+    ) -> Increments | None:
+        """Increments of least cost, shortened where a joint would exceed a limit that was not foreseen.
 
         None if the solver found none.
 
@@ -109,7 +118,7 @@ class TrajectoryQP:
                 break
             left = np.minimum(differences - limits.lower, limits.upper - differences)
             near = left < WATCHED * (limits.upper - limits.lower)
-        return share * values
+        return Increments(share * values, share)
 
     def _cost_pattern(self) -> "Pattern":
         """Upper triangles of the frames' blocks, and what couples a dof with itself one and two frames later."""

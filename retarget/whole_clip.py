@@ -22,13 +22,14 @@ from retarget.windows import LENGTH, windows
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.messages import Bools, Floats
 
-ITERATIONS = 4
+ITERATIONS, MOST = 4, 7
+"""Iterations after which what violates nothing is good enough, and after which the search ends."""
 TRUST = 0.3
 """Largest increment of one iteration, m and rad."""
 SHORTEST_STEP = 0.1
 """Share of a step below which the search gives up."""
 GAIN = 0.05
-"""Share of the cost that an iteration must gain for another one to follow."""
+"""Share of the cost that an iteration must gain for another one to follow, where no limit shortens its step."""
 TIGHT = 2e-5
 """Mean violation of a frame, m or rad, that counts as none."""
 LEVEL = 1e-3
@@ -87,21 +88,23 @@ class ClipSolver:
         program = TrajectoryQP(stretch, self._geometry.dof_index, problem.smoothness)
         tried = Filter(count)
         tried.add(now.cost, now.violation)
-        for _ in range(ITERATIONS):
+        bound, kept = 2 * first.violation + 5 * TIGHT * count, None
+        for done in range(1, MOST + 1):
             increments = program.solve(
                 problem.quadratic(now), now.changes, problem.box(now, TRUST), now.soft, problem.limits(now)
             )
-            then = None if increments is None else _step(problem, clip, now, increments, tried)
-            if then is None:
+            then = None if increments is None else _step(problem, clip, now, increments.values, tried)
+            if increments is None or then is None:
                 break
             tried.add(then.cost, then.violation)
             firm = then.violation < TIGHT * count or then.violation > LESS * now.violation
-            settled = firm and now.cost - then.cost < GAIN * now.cost
+            settled = now.cost - then.cost < GAIN * increments.share * now.cost
             now = then
-            if settled:
-                break
-        tight = now.violation < 2 * first.violation + 5 * TIGHT * count
-        return now.qpos if now is not first and tight else None
+            if now.violation < bound:
+                kept = now
+                if firm and (settled or done >= ITERATIONS):
+                    break
+        return None if kept is None else kept.qpos
 
     def _measured(self, qpos: Floats, targets: Targets) -> Solution:
         errors: list[Floats] = []

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from retarget.clearance import NEAR, TOUCH_M, Clearance
-from retarget.collision import Collision
+from retarget.clearance import NEAR, Clearance
+from retarget.collision import Collision, capsule_pairs
 from retarget.differences import moved
 from retarget.geometry import measure
 from ros_free_stack.robots import load_robot
@@ -27,10 +27,12 @@ def test_distances_of_all_frames_and_their_derivatives(geometry):
         here = found.frame == k
         distances = collision.distances(qpos[k])
         rates = (collision.distances(ahead[k]) - collision.distances(behind[k])) / (2 * STEP)
-        near = np.flatnonzero(distances < NEAR * geometry.limb_length)
+        each = np.split(np.arange(len(distances)), capsule_pairs(geometry)[2][1:])
+        nearest = np.array([pairs[distances[pairs].argmin()] for pairs in each])
+        near = nearest[distances[nearest] < NEAR * geometry.limb_length]
         assert here.sum() == len(near)
         room = [
-            distance - margin if distance > margin else min(distance + TOUCH_M, 0.0)
+            distance - margin if distance > margin else min(distance, 0.0)
             for distance, margin in zip(distances[near], collision.margins[near], strict=True)
         ]
         np.testing.assert_allclose(found.room[here], room, atol=1e-9)

@@ -128,11 +128,25 @@ def test_limbs_approach_by_a_share_of_the_distance_left(robot, collision):
     np.testing.assert_allclose(least, -(1 - np.exp(-APPROACH_RATE * 0.02)) * left)
 
 
-def test_takes_the_nearest_pairs(robot, collision):
-    standing = measure(robot).standing
-    distances = collision.distances(standing) - collision.margins
+def test_takes_the_nearest_pair_of_each_two_limbs(robot, collision):
+    standing, capsules = measure(robot).standing, robot.capsules
+    left = collision.distances(standing) - collision.margins
+    ends = np.cumsum([len(capsules[a]) * len(capsules[b]) for a, b in robot.collision_pairs])
+    nearest = np.sort([part.min() for part in np.split(left, ends[:-1])])
     approach = collision.approach(standing, np.inf, 5)
-    np.testing.assert_allclose(np.sort(-approach.least), np.sort(distances)[:5])
+    np.testing.assert_allclose(np.sort(-approach.least), nearest[:5])
+
+
+def test_limbs_that_are_about_to_meet_come_first(robot, collision):
+    geometry = measure(robot)
+    standing = geometry.standing
+    left = collision.distances(standing) - collision.margins
+    every = collision.approach(standing, 0.02)
+    pair = int(np.argmax(-every.least))
+    step = -every.jacobian[pair] / (every.jacobian[pair] @ every.jacobian[pair]) * left[left < NEAR_M][pair] / 5
+    chosen = (collision.approach(standing, 0.02, 1), collision.approach(standing, 0.02, 1, step))
+    assert chosen[0].least.item() == pytest.approx(every.least.max())
+    assert chosen[1].jacobian[0] @ step < 0.5 * chosen[0].jacobian[0] @ step - 1e-6
 
 
 def crossed_arms(motion: HumanMotion) -> HumanMotion:
