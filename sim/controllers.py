@@ -19,8 +19,12 @@ from sim.plan import Plan
 ControllerName = Literal["pd", "default", "wbc"]
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
 
-DCM_GAIN = 1.2
-"""Ankle offset in rad over DCM error per height of the centre of mass."""
+DCM_GAIN = 3.0
+"""Shift of the centre of pressure over DCM error; above 1 the error shrinks."""
+
+SOLE_SHARE = 2.5
+"""Size of a sole, about its middle, to which the pressure may be asked to go. More than 1, since the robot gives way to
+the moment and the servo's own spring takes a part of it back; without a limit the foot rolls over its edge."""
 
 
 class Controller(Protocol):
@@ -73,42 +77,57 @@ class PlainPD:
 
 
 class AnkleDCM:
-    """Feedforward, and ankles that lean against the DCM error."""
+    """Feedforward, and ankles that move the centre of pressure against the DCM error.
+
+    The pressure under a standing foot is to move by `DCM_GAIN` times the error, as far as its sole reaches; the ankle's
+    servo gives the moment that this takes by a goal that lies moment / kp further.
+    """
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, servos: Servos, plan: Plan) -> None:
-        self._model, self._plan = model, plan
+        self._model, self._plan, self._kp = model, plan, servos.kp
         self._goals = servos.goals(plan.joint_pos, plan.joint_vel, plan.torque)
-        self._ankles = (
-            [ankle_joints(model, robot, foot) for foot in robot.soles] if model.nv > len(plan.torque[0]) else []
-        )
+        free = model.nv > len(robot.joints)
+        self._ankles = [ankle_joints(model, robot, foot) for foot in robot.soles] if free else []
         self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
-        self._middles = [np.mean(sole.corners, axis=0) for sole in robot.soles.values()]
+        self._corners = [np.array(sole.corners) for sole in robot.soles.values()]
+        self._gravity = -float(model.opt.gravity[2])
+        self._weight = float(model.body_subtreemass[0]) * self._gravity
 
     def goals(self, now: int, then: int, believed: mujoco.MjData) -> Floats:
         """See `Controller`."""
-        goals = self._goals[then].copy()
-        plan = self._plan
-        if not self._ankles or not plan.standing[now].any():
+        goals, plan = self._goals[then].copy(), self._plan
+        standing = plan.standing[now]
+        if not self._ankles or not standing.any():
             return goals
         mujoco.mj_subtreeVel(self._model, believed)
         height = max(float(plan.com[now, 2]), 0.05)
-        omega = np.sqrt(-self._model.opt.gravity[2] / height)
-        planned = plan.com[now, :2] + plan.com_vel[now, :2] / omega
-        found = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / omega
-        error = found - planned - self._drift(now, believed)
-        for standing, joints in zip(plan.standing[now], self._ankles, strict=True):
-            if standing:
-                for place, joint in joints:
-                    axis = believed.xaxis[joint]
-                    goals[place] += DCM_GAIN / height * (axis[1] * error[0] - axis[0] * error[1])
+        omega = np.sqrt(self._gravity / height)
+        drift = self._drift(now, believed)
+        planned = plan.com[now, :2] + plan.com_vel[now, :2] / omega + drift
+        error = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / omega - planned
+        zmp = plan.com[now, :2] - plan.com_acc[now, :2] / omega**2 + drift
+        load = self._weight / standing.sum()
+        for foot in np.flatnonzero(standing):
+            x, y = load * self._shift(int(foot), zmp, DCM_GAIN * error, believed)
+            for place, joint in self._ankles[foot]:
+                axis = believed.xaxis[joint]
+                goals[place] += (axis[1] * x - axis[0] * y) / self._kp[place]
         return goals
+
+    def _shift(self, foot: int, zmp: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
+        """(2,) m by which the pressure under a foot can move of what is wanted, over the floor."""
+        body, corners = self._bodies[foot], self._corners[foot]
+        across = believed.xmat[body].reshape(3, 3)[:2, :2]
+        middle, half = corners.mean(axis=0)[:2], SOLE_SHARE * np.ptp(corners, axis=0)[:2] / 2
+        now = np.clip((zmp - believed.xpos[body, :2]) @ across - middle, -half, half)
+        return across @ (np.clip(now + wanted @ across, -half, half) - now)
 
     def _drift(self, now: int, believed: mujoco.MjData) -> Floats:
         """(2,) how far the standing feet are from where they were planned: the plan moves with them."""
         drifts = [
-            (believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ middle - planned)[:2]
-            for body, middle, planned, stands in zip(
-                self._bodies, self._middles, self._plan.feet[now], self._plan.standing[now], strict=True
+            (believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ corners.mean(axis=0) - planned)[:2]
+            for body, corners, planned, stands in zip(
+                self._bodies, self._corners, self._plan.feet[now], self._plan.standing[now], strict=True
             )
             if stands
         ]

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ros_free_stack.errors import ModelMismatch, UnknownName
+from ros_free_stack.errors import InvalidMessage, InvalidOption, ModelMismatch, UnknownName
 from ros_free_stack.robots import load_robot
 from sim.verdict import judge
 
@@ -100,3 +100,48 @@ def test_same_verdict_twice(op3, standing):
 def test_unknown_level(op3, standing):
     with pytest.raises(UnknownName, match="strict"):
         judge(standing(op3), op3, level="gentle")  # pyright: ignore[reportArgumentType]
+
+
+def test_a_huge_clip_is_refused_at_once(op3, standing):
+    trajectory = dataclasses.replace(standing(op3, frames=50), fps=0.05)
+    with pytest.raises(InvalidOption, match="lasts 1000 s, expected at most 600 s: cut it into parts"):
+        judge(trajectory, op3)
+
+
+def test_a_negative_number_of_runs(op3, standing):
+    with pytest.raises(InvalidOption, match="--perturbed: expected 0 or more runs, found -1"):
+        judge(standing(op3), op3, perturbed=-1)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"fps": 0.0}, "fps: expected a positive number"), ({"joint_pos": np.full((50, 20), np.nan)}, "found nan at")],
+)
+def test_what_no_trajectory_can_hold(op3, standing, change, message):
+    with pytest.raises(InvalidMessage, match=message):
+        dataclasses.replace(standing(op3), **change)
+
+
+@pytest.mark.parametrize("controller", ["pd", "wbc"])
+@pytest.mark.parametrize("state", ["true", "estimated"])
+def test_standing_passes_with_every_controller(op3, standing, controller, state):
+    judgement = judge(standing(op3, frames=25), op3, controller=controller, state=state)
+    assert judgement.passed, judgement.verdict.failures
+    assert f"played by the {controller} controller on the {state} state" in judgement.verdict.notes
+
+
+@pytest.mark.parametrize("name", ["h1", "t1"])
+def test_other_robots_stand_too(name, standing):
+    """H1's model has bare motors, T1 hangs its pelvis from the trunk."""
+    robot = load_robot(name)
+    judgement = judge(standing(robot), robot)
+    assert judgement.passed, judgement.verdict.failures
+
+
+def test_an_arm_of_h1_follows(standing):
+    """Bare motors driven by angles as if these were torques lagged by more than a radian a second."""
+    robot = load_robot("h1")
+    swing = robot.standing["left_elbow"] + 0.4 * (1 - np.cos(4.0 * np.arange(100) / 50))
+    judgement = judge(standing(robot, frames=100, joints={"left_elbow": swing}), robot)
+    (check,) = [check for check in judgement.verdict.checks if check.name == "joint_velocity_error"]
+    assert judgement.passed and check.value < 0.2
