@@ -207,7 +207,7 @@ def tables(arguments: Arguments, results: Results) -> str:
 
 
 def main(arguments: Arguments) -> None:
-    """Measure robot by robot; the tables are written anew after each."""
+    """Measure robot by robot; the tables are written anew after each motion."""
     make_folder(arguments.out / "trajectories")
     found = list(motions(arguments))
     results = Results()
@@ -217,7 +217,7 @@ def main(arguments: Arguments) -> None:
         for index, (kind, clip, trajectory) in enumerate(progress(made, name, total=len(found))):
             measure(arguments, robot, kind, trajectory, index % 2, results)
             say(f"{name} {kind} {clip}")
-        write_text(arguments.out / "tables.md", tables(arguments, results))
+            write_text(arguments.out / "tables.md", tables(arguments, results))
     print(tables(arguments, results))
 
 

@@ -74,41 +74,6 @@ def inverse_dynamics(
     return Dynamics(qvel, qacc, com, com_vel, torque)
 
 
-def zero_moment_point(model: mujoco.MjModel, qpos: Floats, dt: float) -> tuple[Floats, Floats]:
-    """Where on the floor z = 0 the floor's force must act for a motion to be possible, (T, 2) m, and how much it must
-    push up, (T,) N.
-
-    The wrench that inverse dynamics asks for at the free root, moved to where its horizontal moments vanish. Where
-    nothing has to be pushed up (free fall) the point is the root's own place.
-
-    Args:
-        model: with a free base.
-        qpos: (T, nq) poses.
-        dt: s between poses.
-    """
-    qvel, qacc = _derivatives(model, qpos, dt)
-    data, rotation = mujoco.MjData(model), np.zeros(9)
-    wrench = np.empty((len(qpos), 6))
-    # As mj_inverse without constraints, but without its search for contacts.
-    for frame in range(len(qpos)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = qpos[frame], qvel[frame], qacc[frame]
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_comVel(model, data)
-        forces = np.empty(model.nv)
-        mujoco.mj_rne(model, data, 1, forces)
-        mujoco.mju_quat2Mat(rotation, qpos[frame, 3:7])
-        wrench[frame, :3], wrench[frame, 3:] = forces[:3], rotation.reshape(3, 3) @ forces[3:6]
-    force, moment = wrench[:, :3], wrench[:, 3:]
-    up = force[:, 2]
-    pressed = up > 1e-3 * model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
-    safe = np.where(pressed, up, 1.0)
-    height = qpos[:, 2]
-    x = -(moment[:, 1] + height * force[:, 0]) / safe
-    y = (moment[:, 0] - height * force[:, 1]) / safe
-    return qpos[:, :2] + np.where(pressed[:, None], np.stack([x, y], axis=1), 0.0), np.where(pressed, up, 0.0)
-
-
 def _derivatives(model: mujoco.MjModel, qpos: Floats, dt: float) -> tuple[Floats, Floats]:
     """Central differences of poses, smoothed over 20 ms."""
     frames = len(qpos)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 
 from ros_free_stack.messages import Bools, Floats, Mount
@@ -49,7 +50,7 @@ class Playback:
         pressure: (N, 2) m, where the floor's forces act (their centre of pressure); NaN where nothing touches it.
         height_error: (N,) m, of the torso body against the reference, greatest.
         orientation_error: (N,) difference of gravity along the torso's z axis, 0 to 2, greatest.
-        power: (N,) W that all servos draw together, greatest; 0 where the motor's figures are not known.
+        power: (N,) W that all servos draw together over 0.1 s, greatest; 0 where the motor's figures are not known.
         heating: (N, J) K by which servos have warmed; 0 where the motor's figures are not known.
         fell_at_s: when the robot fell, from the motion's start (beyond its end if in the final hold), or None.
         controller: what moved the robot.
@@ -138,6 +139,9 @@ class _Log:
 
 
 PUSH_S = 0.1
+
+SUPPLY_WINDOW_S = 0.1
+"""A power supply's capacitors carry peaks that are shorter."""
 
 
 def set_stage(reference: Reference, *, mount: Mount = "free") -> Stage:
@@ -325,8 +329,9 @@ def _electric(model: mujoco.MjModel, robot: RobotDescription, force: Floats, spe
         return np.zeros(len(force)), np.zeros_like(force)
     _, dofs = joint_addresses(model, robot)
     current = motor.stall_current * (force - model.dof_damping[dofs] * speed) / robot.effort
-    drawn = np.maximum(motor.voltage * force / robot.effort * current, 0.0).sum(axis=1)
     dt = model.opt.timestep
+    drawn = np.maximum(motor.voltage * force / robot.effort * current, 0.0).sum(axis=1)
+    drawn = uniform_filter1d(drawn, round(SUPPLY_WINDOW_S / dt), mode="nearest")
     keep = np.exp(-dt / (motor.heat_capacity * motor.thermal_resistance))
     heat = motor.resistance * current**2 * motor.thermal_resistance * (1 - keep)
     return drawn, np.asarray(lfilter([1.0], [1.0, -keep], heat, axis=0))
