@@ -24,6 +24,7 @@ class Film:
     Attributes:
         fps: frames a second.
         qpos: (N, nq) poses of a model with a free base.
+        planned: (N, nq) what it should do where `qpos` is what it did in physics, or None.
         standing: (N, F) whether each foot should stand.
         force: (N, F) N with which the floor pressed on each foot in physics, or None where nothing was simulated.
         zmp: (N, 2) m, NaN in flight and for a robot that nothing stands on.
@@ -36,6 +37,7 @@ class Film:
 
     fps: float
     qpos: Floats
+    planned: Floats | None
     standing: Bools
     force: Floats | None
     zmp: Floats
@@ -69,7 +71,8 @@ def make_film(
         motion: the human motion that it follows, or None.
     """
     trajectory = in_robot_order(trajectory, robot)
-    qpos, joint_pos = poses(trajectory, robot, model), trajectory.joint_pos
+    planned = qpos = poses(trajectory, robot, model)
+    joint_pos = trajectory.joint_pos
     joint_vel = np.gradient(joint_pos, axis=0) * trajectory.fps if len(joint_pos) > 1 else np.zeros_like(joint_pos)
     playback = None if judgement is None else judgement.playback
     if playback is not None and playback.qpos.shape[1] != model.nq:
@@ -88,19 +91,25 @@ def make_film(
     return Film(
         fps=fps,
         qpos=qpos[frames],
+        planned=None if playback is None else planned[frames],
         standing=trajectory.contacts[frames],
         force=None if playback is None else playback.contact_force[frames],
         zmp=zmp[frames],
         at_limit=at_limit[frames],
         human=None if motion is None else human_at(motion, trajectory, times),
-        texts=tuple(_text(motion, trajectory, time) for time in times),
+        texts=_texts(motion, trajectory, times),
         fell_at_s=None if playback is None else playback.fell_at_s,
         title=f"{robot.title}, {'planned' if playback is None else 'simulated'}",
     )
 
 
-def _text(motion: HumanMotion | None, trajectory: RobotTrajectory, time_s: float) -> str:
+def segment_at(motion: HumanMotion, time_s: float) -> str:
+    """The text of the segment that is on at a time of the human motion, or ""."""
+    return next((item.text for item in motion.segments if item.start_s <= time_s < item.end_s), "")
+
+
+def _texts(motion: HumanMotion | None, trajectory: RobotTrajectory, times_s: Floats) -> tuple[str, ...]:
     if motion is None:
-        return ""
-    moment = time_s - lead_in_s(motion, trajectory)
-    return next((item.text for item in motion.segments if item.start_s <= moment < item.end_s), "")
+        return ("",) * len(times_s)
+    lead = lead_in_s(motion, trajectory)
+    return tuple(segment_at(motion, time - lead) for time in times_s)

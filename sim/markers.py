@@ -45,7 +45,7 @@ def add_human(scene: mujoco.MjvScene, joints: Floats) -> None:
     """One pose (22, 3) of the human as limbs with a head."""
     for bone in BONES:
         if bone[1] != INDEX["head"]:
-            add_rod(scene, joints[bone[0]], joints[bone[1]], radius=_BONE_RADIUS_M, colour=_side(bone[1]))
+            add_rod(scene, joints[bone[0]], joints[bone[1]], radius=_BONE_RADIUS_M, colour=bone_colour(bone[1]))
     add_ball(scene, joints[INDEX["head"]], radius=_HEAD_RADIUS_M, colour=TRUNK)
 
 
@@ -69,12 +69,12 @@ def add_contacts(
         weight: of the robot, N.
     """
     for foot, corners in enumerate(soles):
-        load = None if force is None else float(force[foot]) / weight
+        load = None if force is None else float(force[foot])
         if standing[foot]:
-            bare = load is not None and load < _LOADED
+            bare = load is not None and is_bare(load, weight=weight)
             _add_patch(scene, corners, UNLOADED if bare else STANDING, size=size)
-        if load is not None and load > _LOADED:
-            start, up = corners.mean(axis=0) * [1, 1, 0], np.array([0, 0, 0.5 * load * size])
+        if load is not None and not is_bare(load, weight=weight):
+            start, up = corners.mean(axis=0) * [1, 1, 0], np.array([0, 0, 0.5 * load / weight * size])
             _add(scene, mujoco.mjtGeom.mjGEOM_ARROW, FORCE, start, start + up, 0.02 * size)
 
 
@@ -90,6 +90,24 @@ def add_zmp(scene: mujoco.MjvScene, zmp: Floats, soles: Sequence[Floats], standi
         for start, end in zip(lifted, np.roll(lifted, -1, axis=0), strict=True):
             add_rod(scene, start, end, radius=0.003 * size, colour=TRUNK)
     add_ball(scene, np.append(zmp, 0.0), radius=0.025 * size, colour=INSIDE if inside else OUTSIDE)
+
+
+def is_bare(force: float, *, weight: float) -> bool:
+    """Whether a foot with this force on it, N, bears next to nothing of a robot's weight, N."""
+    return force < _LOADED * weight
+
+
+def sole_patch(corners: Floats, *, margin: float) -> tuple[Floats, Floats, Floats]:
+    """A rectangle on the floor around a sole: its centre (3,), half its sides (2,) with a margin in m, rotation (3, 3).
+
+    Its first side runs along the longer one of the sole.
+    """
+    middle = corners.mean(axis=0) * [1, 1, 0]
+    flat = corners[:, :2] - middle[:2]
+    ahead = flat[np.argsort(np.linalg.norm(flat - flat[0], axis=1))[2]] - flat[0]
+    angle = float(np.arctan2(ahead[1], ahead[0]))
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    return middle, np.abs(flat @ turn[:2, :2]).max(axis=0) + margin, turn
 
 
 def support_polygon(points: Floats) -> Floats | None:
@@ -117,13 +135,7 @@ def add_rod(scene: mujoco.MjvScene, start: Floats, end: Floats, *, radius: float
 
 
 def _add_patch(scene: mujoco.MjvScene, corners: Floats, colour: Colour, *, size: float) -> None:
-    """A flat box around a sole, on the floor."""
-    middle = corners.mean(axis=0) * [1, 1, 0]
-    flat = corners[:, :2] - middle[:2]
-    ahead = flat[np.argsort(np.linalg.norm(flat - flat[0], axis=1))[2]] - flat[0]
-    angle = float(np.arctan2(ahead[1], ahead[0]))
-    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-    half = np.abs(flat @ turn[:2, :2]).max(axis=0) + 0.012 * size
+    middle, half, turn = sole_patch(corners, margin=0.012 * size)
     _put(scene, mujoco.mjtGeom.mjGEOM_BOX, colour, np.append(half, 0.002 * size), middle, turn)
 
 
@@ -145,7 +157,8 @@ def _put(
     return geom
 
 
-def _side(joint: int) -> Colour:
+def bone_colour(joint: int) -> Colour:
+    """The colour of the bone that ends in a joint: orange left, blue right, grey the trunk."""
     if joint in PARTS["backbone"]:
         return TRUNK
     return LEFT if joint in PARTS["left_arm"] or joint in PARTS["left_leg"] else RIGHT

@@ -29,7 +29,7 @@ def body_shapes(model: mujoco.MjModel, robot: RobotDescription) -> tuple[Shape, 
     """
     collision = _collision_shapes(model)
     shown = {shape.body for shape in collision} | {model.body(sole.body).id for sole in robot.soles.values()}
-    ball = 0.09 * float(standing_qpos(model, robot)[2]) * _sphere(_DIRECTIONS)
+    ball = 0.09 * float(standing_qpos(model, robot)[2]) * sphere(_DIRECTIONS)
     bare = [Shape(body, ball) for body in range(1, model.nbody) if body not in shown]
     return (*collision, *bare, *(_foot(model, sole) for sole in robot.soles.values()))
 
@@ -42,14 +42,14 @@ def _foot(model: mujoco.MjModel, sole: Sole) -> Shape:
 
 
 def _collision_shapes(model: mujoco.MjModel) -> list[Shape]:
-    directions = _sphere(_DIRECTIONS)
+    directions = sphere(_DIRECTIONS)
     shapes: list[Shape] = []
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
         collides = model.geom_contype[geom] or model.geom_conaffinity[geom]
         if body == 0 or not collides:
             continue
-        local = _geom_points(model, geom, directions)
+        local = geom_points(model, geom, directions)
         rotation = np.zeros(9)
         mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
         points = model.geom_pos[geom] + local @ rotation.reshape(3, 3).T
@@ -59,7 +59,7 @@ def _collision_shapes(model: mujoco.MjModel) -> list[Shape]:
     return shapes
 
 
-def _geom_points(model: mujoco.MjModel, geom: int, directions: Floats) -> Floats:
+def geom_points(model: mujoco.MjModel, geom: int, directions: Floats) -> Floats:
     """Points (n, 3) whose hull is the geom, in its own frame."""
     kind, size = mujoco.mjtGeom(int(model.geom_type[geom])), model.geom_size[geom]
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
@@ -80,7 +80,7 @@ def _geom_points(model: mujoco.MjModel, geom: int, directions: Floats) -> Floats
     return size[0] * directions
 
 
-def _sphere(count: int) -> Floats:
+def sphere(count: int) -> Floats:
     """(count, 3) nearly uniform unit vectors (Fibonacci lattice)."""
     index = np.arange(count) + 0.5
     height = 1 - 2 * index / count

@@ -1,6 +1,13 @@
 """Trajectories of known character, made from the robots' standing poses."""
 
-from collections.abc import Callable
+import base64
+import json
+import shutil
+import subprocess
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,3 +62,59 @@ def standing() -> StandingMaker:
         )
 
     return make
+
+
+class Chromium:
+    """One page of a headless Chromium, driven over its DevTools protocol."""
+
+    def __init__(self, connection: Any) -> None:
+        self._connection, self._calls = connection, 0
+
+    def open(self, address: str) -> None:
+        self._call("Page.navigate", url=address)
+
+    def evaluate(self, script: str) -> Any:
+        """The value of a JavaScript expression; a promise is waited for."""
+        answer = self._call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        return answer["result"].get("value")
+
+    def screenshot(self, path: Path) -> np.ndarray:
+        """Save a PNG and return it as (height, width, 3) floats, 0 to 1."""
+        import matplotlib.image
+
+        path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"]))
+        return matplotlib.image.imread(path)[..., :3]
+
+    def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        self._calls += 1
+        self._connection.send(json.dumps({"id": self._calls, "method": method, "params": parameters}))
+        while True:
+            answer = json.loads(self._connection.recv(timeout=120))
+            if answer.get("id") == self._calls:
+                return answer["result"]
+
+
+@pytest.fixture
+def chromium(tmp_path: Path) -> Iterator[Chromium]:
+    """A headless browser; the test is skipped where none is installed."""
+    from websockets.sync.client import connect
+
+    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if program is None:
+        pytest.skip("needs Chromium (apt-get install chromium)")
+    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    options += [f"--user-data-dir={tmp_path / 'profile'}", "--remote-debugging-port=0", "--window-size=700,500"]
+    with subprocess.Popen([program, *options, "about:blank"], stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr is not None
+            line = next((line for line in process.stderr if "DevTools listening on" in line), None)
+            if line is None:
+                pytest.skip(f"{program} does not start here")
+            host = line.split("ws://")[1].split("/")[0]
+            with urllib.request.urlopen(f"http://{host}/json") as answer:
+                page = next(item for item in json.load(answer) if item["type"] == "page")
+            with connect(page["webSocketDebuggerUrl"], max_size=None) as connection:
+                yield Chromium(connection)
+        finally:
+            process.terminate()
+            process.wait()
