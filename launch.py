@@ -370,6 +370,10 @@ class Run(Command):
         if not best.judgement.passed:
             say("nothing is streamed: no candidate passed")
             return None
+        playback = best.judgement.playback
+        if playback is not None and playback.controller == "wbc":
+            say("nothing is streamed: only whole-body control keeps the robot up, and the servo driver has none")
+            return None
         from hw.stream import stream
 
         with timings.measure("servo"):

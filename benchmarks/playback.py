@@ -7,14 +7,15 @@ Authored clips of the validation and test splits with one action each, sorted in
 "walk", one a subject, the first seconds of each. Success means that the robot did not fall. Perturbed runs differ in
 mass, friction, latency, a push and sensor noise, and read an estimated state; PD reads nothing. The confusion table
 sets the verdict of the reference's own checks (no simulation) against the default controller's nominal playback, for
-two halves of the clips: limits may be tuned on the first only. Trajectories are kept under --out and read again.
+two halves of the clips: limits may be tuned on the first only. Times are of this process alone. Trajectories are kept
+under --out and read again.
 """
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import tyro
 
@@ -148,13 +149,13 @@ def measure(arguments: Arguments, robot: RobotDescription, kind: str, trajectory
     scale = size_scale(robot, model)
     limits = load_thresholds("default", scale=scale)
     fall = FallLimits(limits["fall_height"].limit, limits["fall_orientation"].limit)
-    started = perf_counter()
+    started = process_time()
     reference = make_reference(trajectory, robot, model)
-    placed = perf_counter()
+    placed = process_time()
     failed = [check.name for check in kinematic_checks(reference, limits, "free", scale) if not check.passed]
-    checked = perf_counter()
+    checked = process_time()
     stage = set_stage(reference)
-    planned = perf_counter()
+    planned = process_time()
     for part, seconds in (
         ("place bodies, find contacts", placed - started),
         ("checks", checked - placed),
@@ -163,9 +164,9 @@ def measure(arguments: Arguments, robot: RobotDescription, kind: str, trajectory
         results.costs[robot.name, part].append(seconds / duration)
     for controller in arguments.controllers:
         tally = results.tallies[robot.name, kind, controller]
-        began = perf_counter()
+        began = process_time()
         stood = stands(stage, fall, controller, None)
-        results.costs[robot.name, f"simulate, {controller}"].append((perf_counter() - began) / duration)
+        results.costs[robot.name, f"simulate, {controller}"].append((process_time() - began) / duration)
         tally.nominal.append(stood)
         tally.perturbed += [stands(stage, fall, controller, seed) for seed in range(arguments.perturbed)]
         if controller == "default":

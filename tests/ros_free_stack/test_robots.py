@@ -187,6 +187,14 @@ def test_servo_models_can_differ_by_joint(tmp_path: Path):
     assert (servos.model_of("l_el"), servos.model_of("r_el")) == ("XL430-W250", "XM430-W350")
 
 
+def test_motor_figures_may_be_unknown(tmp_path: Path):
+    known = read_description(written(tmp_path, lambda data: None)).servos
+    assert known is not None and known.motor is not None
+    assert known.motor.resistance == pytest.approx(12 / 2.3)
+    unknown = read_description(written(tmp_path, lambda data: data["servos"].pop("motor"))).servos
+    assert unknown is not None and unknown.motor is None
+
+
 def test_servo_safety_has_defaults(tmp_path: Path):
     servos = read_description(written(tmp_path, lambda data: data.update(servo_safety={"temperature": 60}))).servos
     assert servos is not None
@@ -207,6 +215,9 @@ def test_servo_safety_has_defaults(tmp_path: Path):
         (lambda data: data["servo_safety"].update(on_fault="jump"), "on_fault 'jump'; valid: hold, off"),
         (lambda data: data["servos"].update(settings={"mode": "wheel"}), "servo mode 'wheel'; valid: current-based"),
         (lambda data: data["servos"].update(settings={"gain": 1}), "entry of servos settings 'gain'; valid: "),
+        (lambda data: data["servos"]["motor"].update(voltage=0), "motor voltage: expected a positive number, found 0"),
+        (lambda data: data["servos"]["motor"].update(volts=12), "entry of servos motor 'volts'; valid: "),
+        (lambda data: data["servos"]["motor"].pop("voltage"), "missing 1 required .* 'voltage'"),
         (lambda data: data["servos"].update(models={"tail": "XL430-W250"}), "servo model 'tail'"),
         (lambda data: data["servos"]["ids"].update(head_pan=20), "two joints have the same servo id"),
         (lambda data: data["servos"]["ids"].update(tail=99), "joint with a servo 'tail'"),
