@@ -155,6 +155,8 @@ def _require_attachments(robot: RobotDescription) -> None:
     missing = sorted(needed - robot.attachments.keys())
     if missing:
         raise UnsupportedModel(f"robot {robot.name}: its description attaches no {', '.join(missing)}")
+    if robot.mount == "free" and not robot.soles:
+        raise UnsupportedModel(f"robot {robot.name}: it has no soles to stand on; valid: soles, or mount: fixed")
     if not any(robot.attachments.keys() >= set(limb) for limb in LIMBS):
         limbs = "; ".join(", ".join(limb) for limb in LIMBS)
         raise UnsupportedModel(f"robot {robot.name}: its description attaches no whole limb; valid: {limbs}")

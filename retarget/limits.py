@@ -12,11 +12,13 @@ import casadi as ca
 import numpy as np
 
 from retarget.geometry import RobotGeometry
-from ros_free_stack.messages import Floats
+from ros_free_stack.messages import Bools, Floats
 from ros_free_stack.robots import RobotDescription
 
 MARGIN = 1e-9
 """Relative margin against rounding."""
+AT_LIMIT = 1e-5
+"""Distance in rad from a limit of a joint, its step or its change of step, at which it counts as held by it."""
 
 ROOT_SPEED = (8.0, 12.0)
 ROOT_ACCELERATION = (50.0, 150.0)
@@ -59,6 +61,18 @@ class JointBounds:
     def table(self) -> Floats:
         """(J, 4): lower, upper, step, change."""
         return np.stack([self.lower, self.upper, self.step, self.change], axis=1)
+
+
+def active_limits(robot: RobotDescription, joints: Floats, fps: float) -> dict[str, Bools]:
+    """(N, J) whether each joint of a trajectory (N, J) is at the limit of its range, speed or acceleration, by name."""
+    bounds = JointBounds.of(robot, fps)
+    step = np.diff(joints, axis=0, prepend=joints[:1])
+    change = np.diff(step, axis=0, prepend=step[:1])
+    return {
+        "range": (joints <= bounds.lower + AT_LIMIT) | (joints >= bounds.upper - AT_LIMIT),
+        "speed": np.abs(step) >= bounds.step - AT_LIMIT,
+        "acceleration": np.abs(change) >= bounds.change - AT_LIMIT,
+    }
 
 
 def reach(position: ca.SX, step: ca.SX, table: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from retarget.footsteps import runs
 from retarget.geometry import RobotGeometry
+from retarget.limits import active_limits
 from retarget.solver import Solution
 from retarget.targets import Targets
 
@@ -24,16 +25,17 @@ class Spread:
 
 @dataclass(frozen=True)
 class GivenUp:
-    """A limb that could not follow: when (s), by how many cm at worst, and the joints at a limit meanwhile."""
+    """A limb that could not follow: when (s), by how many cm at worst, and the limits that joints were at meanwhile."""
 
     limb: str
     start_s: float
     end_s: float
     worst_cm: float
-    joints: tuple[str, ...]
+    joints: dict[str, tuple[str, ...]]
 
     def __str__(self) -> str:
-        cause = f" ({', '.join(self.joints)} at the limit)" if self.joints else ""
+        held = "; ".join(f"{joint}: {', '.join(limits)}" for joint, limits in self.joints.items())
+        cause = f" (at the limit of {held})" if held else ""
         return f"{self.limb}: {self.worst_cm:.1f} cm off at {self.start_s:.2f} to {self.end_s:.2f} s{cause}"
 
 
@@ -115,18 +117,16 @@ def _given_up(
     geometry: RobotGeometry, targets: Targets, solution: Solution, errors: dict[str, np.ndarray]
 ) -> list[GivenUp]:
     threshold = GIVEN_UP_SHARE * geometry.limb_length
-    names = np.array(geometry.robot.joint_names)
+    limits = active_limits(geometry.robot, solution.qpos[:, geometry.qpos_index], targets.fps)
     found: list[GivenUp] = []
     for limb, error in errors.items():
         for start, end in runs(error > threshold):
-            limited = names[solution.limited[start:end].any(axis=0)]
-            found.append(
-                GivenUp(
-                    limb,
-                    start / targets.fps,
-                    end / targets.fps,
-                    100 * float(error[start:end].max()),
-                    tuple(str(name) for name in limited),
-                )
-            )
+            held = {kind: np.asarray(at[start:end].any(axis=0)) for kind, at in limits.items()}
+            joints = {
+                name: tuple(kind for kind in held if held[kind][j])
+                for j, name in enumerate(geometry.robot.joint_names)
+                if any(at[j] for at in held.values())
+            }
+            worst = 100 * float(error[start:end].max())
+            found.append(GivenUp(limb, start / targets.fps, end / targets.fps, worst, joints))
     return found

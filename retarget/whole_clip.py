@@ -14,13 +14,13 @@ from retarget.clip_problem import ClipModel, ClipProblem, Point
 from retarget.differences import Stretch, moved
 from retarget.filter import LESS, Filter
 from retarget.geometry import RobotGeometry
-from retarget.limits import JointBounds
+from retarget.limits import active_limits
 from retarget.solver import PLANTED_M, PLANTED_RAD, Solution
 from retarget.targets import Targets
 from retarget.trajectory_qp import TrajectoryQP
 from retarget.windows import LENGTH, windows
 from ros_free_stack.couplings import joint_couplings, settle
-from ros_free_stack.messages import Bools, Floats
+from ros_free_stack.messages import Floats
 
 ITERATIONS, MOST = 4, 7
 """Iterations after which what violates nothing is good enough, and after which the search ends."""
@@ -34,8 +34,6 @@ TIGHT = 2e-5
 """Mean violation of a frame, m or rad, that counts as none."""
 LEVEL = 1e-3
 """Share by which cost and violation may grow from one point to the next: rounding, where nothing is left to gain."""
-AT_LIMIT = 1e-5
-"""Distance in rad from a limit at which a joint counts as held by it."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +114,7 @@ class ClipSolver:
             errors.append(found.foot_error)
             points.append(found.terms["point_error"][:, 0])
             centres.append(found.terms["centre_of_mass"][:, 0])
+        limits = active_limits(self._geometry.robot, qpos[:, self._geometry.qpos_index], targets.fps)
         distance, angle = np.moveaxis(np.concatenate(errors), 2, 0)
         return Solution(
             qpos=qpos,
@@ -123,19 +122,7 @@ class ClipSolver:
             foot_error=distance,
             centre_of_mass=np.concatenate(centres),
             released=targets.contacts & ((distance > PLANTED_M) | (angle > PLANTED_RAD)),
-            limited=self._limited(qpos[:, self._geometry.qpos_index], targets.fps),
-        )
-
-    def _limited(self, joints: Floats, fps: float) -> Bools:
-        """(N, J) whether a joint is at the end of its range, or its step or change of step at its limit."""
-        bounds = JointBounds.of(self._geometry.robot, fps)
-        step = np.diff(joints, axis=0, prepend=joints[:1])
-        change = np.diff(step, axis=0, prepend=step[:1])
-        return (
-            (joints <= bounds.lower + AT_LIMIT)
-            | (joints >= bounds.upper - AT_LIMIT)
-            | (np.abs(step) >= bounds.step - AT_LIMIT)
-            | (np.abs(change) >= bounds.change - AT_LIMIT)
+            limited=np.any(list(limits.values()), axis=0),
         )
 
 

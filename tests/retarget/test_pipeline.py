@@ -127,6 +127,9 @@ def test_out_of_reach_is_reported_and_stays_within_limits(retargeter, motions):
     assert result.report.given_up
     assert all(entry.worst_cm > 0 and entry.end_s > entry.start_s for entry in result.report.given_up)
     assert result.report.limited_joints
+    kinds = {kind for entry in result.report.given_up for kinds in entry.joints.values() for kind in kinds}
+    assert kinds and kinds <= {"range", "speed", "acceleration"}
+    assert "at the limit of" in str(max(result.report.given_up, key=lambda entry: len(entry.joints)))
     test_keeps_every_joint_limit({"broken": result}, retargeter)
 
 
