@@ -89,7 +89,9 @@ class AnkleDCM:
         free = model.nv > len(robot.joints)
         self._ankles = [ankle_joints(model, robot, foot) for foot in robot.soles] if free else []
         self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
-        self._corners = [np.array(sole.corners) for sole in robot.soles.values()]
+        corners = [np.array(sole.corners) for sole in robot.soles.values()]
+        self._middles = [points.mean(axis=0) for points in corners]
+        self._halves = [SOLE_SHARE * np.ptp(points, axis=0)[:2] / 2 for points in corners]
         self._gravity = -float(model.opt.gravity[2])
         self._weight = float(model.body_subtreemass[0]) * self._gravity
 
@@ -116,22 +118,25 @@ class AnkleDCM:
 
     def _shift(self, foot: int, zmp: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
         """(2,) m by which the pressure under a foot can move of what is wanted, over the floor."""
-        body, corners = self._bodies[foot], self._corners[foot]
+        body, middle, half = self._bodies[foot], self._middles[foot][:2], self._halves[foot]
         across = believed.xmat[body].reshape(3, 3)[:2, :2]
-        middle, half = corners.mean(axis=0)[:2], SOLE_SHARE * np.ptp(corners, axis=0)[:2] / 2
-        now = np.clip((zmp - believed.xpos[body, :2]) @ across - middle, -half, half)
-        return across @ (np.clip(now + wanted @ across, -half, half) - now)
+        now = _clamped((zmp - believed.xpos[body, :2]) @ across - middle, half)
+        return across @ (_clamped(now + wanted @ across, half) - now)
 
     def _drift(self, now: int, believed: mujoco.MjData) -> Floats:
         """(2,) how far the standing feet are from where they were planned: the plan moves with them."""
         drifts = [
-            (believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ corners.mean(axis=0) - planned)[:2]
-            for body, corners, planned, stands in zip(
-                self._bodies, self._corners, self._plan.feet[now], self._plan.standing[now], strict=True
+            (believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ middle - planned)[:2]
+            for body, middle, planned, stands in zip(
+                self._bodies, self._middles, self._plan.feet[now], self._plan.standing[now], strict=True
             )
             if stands
         ]
-        return np.mean(drifts, axis=0)
+        return sum(drifts, np.zeros(2)) / len(drifts)
+
+
+def _clamped(values: Floats, bound: Floats) -> Floats:
+    return np.minimum(np.maximum(values, -bound), bound)
 
 
 def ankle_joints(model: mujoco.MjModel, robot: RobotDescription, foot: str) -> list[tuple[int, int]]:

@@ -89,17 +89,17 @@ def _derivatives(model: mujoco.MjModel, qpos: Floats, dt: float) -> tuple[Floats
 def _floor_forces(model: mujoco.MjModel, data: mujoco.MjData, robot: RobotDescription, contacts: Bools) -> Floats:
     """(nv,) generalised force of the floor on the standing soles."""
     edges = np.array([[_FRICTION, 0, 1], [-_FRICTION, 0, 1], [0, _FRICTION, 1], [0, -_FRICTION, 1.0]])
-    columns: list[Floats] = []
-    jacobian = np.zeros((3, model.nv))
-    for sole, standing in zip(robot.soles.values(), contacts, strict=True):
-        if not standing:
-            continue
+    standing_soles = [sole for sole, standing in zip(robot.soles.values(), contacts, strict=True) if standing]
+    rows = np.empty((4 * sum(len(sole.corners) for sole in standing_soles), model.nv))
+    jacobian, filled = np.zeros((3, model.nv)), 0
+    for sole in standing_soles:
         body = data.body(sole.body)
         for corner in body.xpos + np.array(sole.corners) @ body.xmat.reshape(3, 3).T:
             mujoco.mj_jac(model, data, jacobian, None, corner, body.id)
-            columns.extend(edges @ jacobian)
+            rows[filled : filled + 4] = edges @ jacobian
+            filled += 4
     weight = model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
-    generators = np.array(columns).T * weight
+    generators = rows.T * weight
     count = generators.shape[1]
     system = np.vstack([generators[:6], _REGULARISATION * weight * np.eye(count)])
     target = np.concatenate([data.qfrc_inverse[:6], np.zeros(count)])

@@ -264,12 +264,12 @@ def _floor_contact(model: mujoco.MjModel, data: mujoco.MjData, feet: list[int]) 
     """(F,) N with which the floor presses on each foot, and (2,) m the centre of pressure of all it presses on."""
     forces, moment, total = np.zeros(len(feet)), np.zeros(2), 0.0
     wrench = np.zeros(6)
-    for index, geoms in enumerate(data.contact.geom):
-        bodies = model.geom_bodyid[geoms].tolist()
+    touching, places = model.geom_bodyid[data.contact.geom].tolist(), data.contact.pos
+    for index, bodies in enumerate(touching):
         if 0 in bodies:
             mujoco.mj_contactForce(model, data, index, wrench)
             total += wrench[0]
-            moment += wrench[0] * data.contact.pos[index, :2]
+            moment += wrench[0] * places[index, :2]
             for foot, body in enumerate(feet):
                 forces[foot] += wrench[0] * (body in bodies)
     return forces, moment / total if total > 0 else np.full(2, np.nan)
