@@ -86,7 +86,7 @@ class Collision:
         """(M,) how far the pairs part in a step (nv,)."""
         velocities = (self._jacobians @ step).reshape(-1, 6)
         # A pair parts at the speed of its line against its first limb less that against its second.
-        return np.einsum("ml,ml->m", self._lines, velocities[self._first] - velocities[self._second])
+        return (self._lines * (velocities[self._first] - velocities[self._second])).sum(axis=1)
 
     def _measure(self, qpos: Floats) -> Floats:
         self._function.inputs["qpos"][:, 0] = qpos
