@@ -19,9 +19,12 @@ from sim.shapes import body_shapes
 from sim.storyboard import body_colours, storyboard
 from sim.synchrony import human_at, lead_in_s
 from sim.verdict import Judgement
+from sim.worst import worst_moment
 
 SCENE_FPS = 25.0
 """Frame rate of the animation in the report."""
+
+_JOINTS_CAPTION = "Planned joint angles; red lines are the ends of each range."
 
 _TEMPLATE = Path(__file__).with_name("report.html")
 
@@ -63,10 +66,11 @@ def write_report(
         "summary": html.escape(_summary(judgement)),
         "segments": _segments(motion, trajectory),
         "checks": "\n".join(_row(check, trajectory.fps) for check in verdict.checks),
+        "worst": _worst_moments(judgement),
         "notes": "".join(f"<li>{html.escape(note)}</li>" for note in verdict.notes),
         "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
-        "joints": _png(joints_plot(judgement.reference)),
+        "joints": _timed(joints_plot(judgement.reference), "joints", _JOINTS_CAPTION),
         "feet": _feet(judgement),
         "torque": _torque(judgement),
         "servos": _servos(telemetry),
@@ -134,9 +138,8 @@ def _timings(timings: dict[str, float]) -> str:
 def _feet(judgement: Judgement) -> str:
     if not judgement.reference.robot.soles:
         return ""
-    picture = _png(feet_plot(judgement.reference, judgement.playback))
     caption = "Height of each sole over the floor; shaded where the foot should stand."
-    return f'<figure><img alt="feet" src="{picture}"><figcaption>{caption}</figcaption></figure>'
+    return _timed(feet_plot(judgement.reference, judgement.playback), "feet", caption)
 
 
 def _torque(judgement: Judgement) -> str:
@@ -161,6 +164,37 @@ def _servos(telemetry: ServoTelemetry | None) -> str:
         f'<figure><img alt="servo health" src="{_png(servo_health_plot(telemetry))}">'
         f"<figcaption>{health}</figcaption></figure>"
     )
+
+
+def _timed(figure: Any, name: str, caption: str) -> str:
+    """A figure over time with a cursor in each of its plots, which the page moves with the playback."""
+    picture = _png(figure)  # drawing it settles where its plots are
+    plots = {axis.get_position().bounds: axis.get_xlim() for axis in figure.axes if axis.get_visible()}
+    cursors = "".join(
+        f'<span class="plot" data-start="{start:.4f}" data-end="{end:.4f}" style="left:{100 * left:.3f}%;'
+        f'width:{100 * width:.3f}%;bottom:{100 * bottom:.3f}%;height:{100 * height:.3f}%"><i></i></span>'
+        for (left, bottom, width, height), (start, end) in plots.items()
+    )
+    return (
+        f'<figure><div class="timed"><img alt="{name}" src="{picture}">{cursors}</div>'
+        f"<figcaption>{caption}</figcaption></figure>"
+    )
+
+
+def _worst_moments(judgement: Judgement) -> str:
+    """A picture of the worst frame of every failed check that has one."""
+    fps = judgement.reference.trajectory.fps
+    cards = []
+    for check in judgement.verdict.failures:
+        if check.worst_frame < 0:
+            continue
+        name, time = html.escape(check.name.replace("_", " ")), check.worst_frame / fps
+        cards.append(
+            f'<figure class="worst"><img alt="worst frame: {name}" src="{_png(worst_moment(judgement, check))}">'
+            f'<figcaption><b>{name}</b> <button class="jump" data-time="{time:.3f}">{time:.2f} s</button> '
+            f"{html.escape(check.worst_item)}</figcaption></figure>"
+        )
+    return f'<h2>Worst moments</h2><div class="grid">{"".join(cards)}</div>' if cards else ""
 
 
 def _png(figure: Any) -> str:

@@ -10,7 +10,7 @@ from ros_free_stack.files import atomic_path
 from ros_free_stack.messages import Floats, HumanMotion
 from ros_free_stack.skeleton import CHAINS, INDEX, PARTS
 from sim.reference import Reference
-from sim.shapes import body_shapes
+from sim.shapes import Shape, body_shapes
 from sim.synchrony import human_at, lead_in_s
 
 COLUMNS = 8
@@ -76,31 +76,59 @@ def _human_row(axes: Any, joints: Floats) -> None:
                       solid_joinstyle="round")  # fmt: skip
         axis.plot(*flat[INDEX["head"]], "o", color=TRUNK, ms=13)
         reach = max(reach, float(np.abs(flat[:, 0]).max()))
-    _frame(axes, 1.1 * height, reach)
+    fit(axes, 1.1 * height, reach)
 
 
 def _robot_row(axes: Any, reference: Reference, frames: np.ndarray) -> None:
     shapes = body_shapes(reference.model, reference.robot)
-    pair = "hip" if "left_hip" in reference.attachments else "shoulder"
-    view = _view(reference.attachments[f"left_{pair}"][0] - reference.attachments[f"right_{pair}"][0])
+    view = robot_view(reference)
     root = reference.model.body(reference.robot.root_body).id
     height, reach = 0.0, 0.0
     colours = body_colours(reference)
     for axis, frame in zip(axes, frames, strict=True):
-        centre = reference.body_pos[frame, root] * [1, 1, 0]
-        parts = []
-        for shape in shapes:
-            rotation, position = (
-                reference.body_rot[frame, shape.body],
-                reference.body_pos[frame, shape.body],
-            )
-            flat, depth = _project(shape.points @ rotation.T + position - centre, view)
-            parts.append((float(depth.mean()), flat[ConvexHull(flat).vertices], colours[shape.body]))
-        for _, outline, colour in sorted(parts, key=lambda part: part[0]):
-            axis.fill(*outline.T, facecolor=colour, edgecolor=PAPER, lw=0.6)
-            reach = max(reach, float(np.abs(outline[:, 0]).max()))
-            height = max(height, float(outline[:, 1].max()))
-    _frame(axes, height, reach)
+        position, rotation = reference.body_pos[frame], reference.body_rot[frame]
+        spread = draw_pose(axis, shapes, position - position[root] * [1, 1, 0], rotation, view, colours)
+        reach, height = max(reach, spread[0]), max(height, spread[1])
+    fit(axes, height, reach)
+
+
+def robot_view(reference: Reference) -> Floats:
+    """(3, 3) rows right, up, towards the viewer, who stands before the robot's first pose, a little to its left."""
+    pair = "hip" if "left_hip" in reference.attachments else "shoulder"
+    return _view(reference.attachments[f"left_{pair}"][0] - reference.attachments[f"right_{pair}"][0])
+
+
+def draw_pose(
+    axis: Any,
+    shapes: tuple[Shape, ...],
+    position: Floats,
+    rotation: Floats,
+    view: Floats,
+    colours: list[str],
+    alpha: float = 1.0,
+) -> tuple[float, float]:
+    """Draw a robot's shapes on a matplotlib axis, far ones first.
+
+    Args:
+        axis: the axis.
+        shapes: of the robot.
+        position: (B, 3) m, of each body.
+        rotation: (B, 3, 3) world from body.
+        view: (3, 3) rows right, up, towards the viewer.
+        colours: of each body.
+        alpha: opacity.
+
+    Returns:
+        How far the picture reaches to a side and up, m.
+    """
+    parts = []
+    for shape in shapes:
+        flat, depth = _project(shape.points @ rotation[shape.body].T + position[shape.body], view)
+        parts.append((float(depth.mean()), flat[ConvexHull(flat).vertices], colours[shape.body]))
+    for _, outline, colour in sorted(parts, key=lambda part: part[0]):
+        axis.fill(*outline.T, facecolor=colour, edgecolor=PAPER, lw=0.6, alpha=alpha)
+    outlines = np.concatenate([outline for _, outline, _ in parts])
+    return float(np.abs(outlines[:, 0]).max()), float(outlines[:, 1].max())
 
 
 def body_colours(reference: Reference) -> list[str]:
@@ -134,7 +162,7 @@ def _project(points: Floats, view: Floats) -> tuple[Floats, Floats]:
     return seen[:, :2], seen[:, 2]
 
 
-def _frame(axes: Any, height: float, reach: float) -> None:
+def fit(axes: Any, height: float, reach: float) -> None:
     """The same limits for a row of pictures, wide enough for what is in them."""
     width = max(1.05 * reach, 0.35 * height)
     for axis in axes:
