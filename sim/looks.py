@@ -18,7 +18,7 @@ _CELL_M = 0.018
 
 def visual_model(robot: RobotDescription) -> mujoco.MjModel:
     """The robot's looks on a floor, meshes thinned out, from the cache where it is there."""
-    return cached_model(robot, "looks-1", lambda: _visual_spec(robot))
+    return cached_model(robot, "looks-2", lambda: _visual_spec(robot))
 
 
 def extent(model: mujoco.MjModel, robot: RobotDescription) -> tuple[float, float]:
@@ -51,8 +51,9 @@ def _light(spec: "mujoco.MjSpec") -> None:
     for lamp in list(spec.lights):
         spec.delete(lamp)
     spec.worldbody.add_light(
-        pos=[1, 1, 3], dir=[-0.5, 0.4, -1], diffuse=[0.6, 0.6, 0.6], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    )
+        pos=[1, 1, 3], dir=[-0.5, 0.4, -1], diffuse=[0.6, 0.6, 0.6], castshadow=False,
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+    )  # fmt: skip
     spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
     spec.visual.headlight.diffuse = [0.45, 0.45, 0.45]
 

@@ -54,6 +54,8 @@ def play_in_window(film: Film, model: mujoco.MjModel, robot: RobotDescription) -
     with mujoco.viewer.launch_passive(
         model, data, key_callback=lambda key: press(player, key), show_left_ui=False, show_right_ui=False
     ) as window:
+        with window.lock():
+            picture.frame(window.cam)
         before = perf_counter()
         while window.is_running():
             now = perf_counter()
@@ -77,6 +79,13 @@ class _Picture:
         low, high = extent(model, robot)
         self._size = high - low
         self._weight = float(model.body_subtreemass[0] * -model.opt.gravity[2])
+
+    def frame(self, camera: Any) -> None:
+        """Put the camera before the robot, and the human beside it, at first; the mouse moves it after that."""
+        beside = self._film.human is not None
+        camera.lookat[:] = self._film.qpos[0, :3] + ([0, _ASIDE_M / 2, 0] if beside else [0, 0, 0])
+        camera.distance = 2 * self._size + (1.5 if beside else 0)
+        camera.azimuth, camera.elevation = 180, -14
 
     def draw(self, frame: int, data: mujoco.MjData, scene: Any) -> None:
         film = self._film

@@ -1,5 +1,7 @@
 """The viewer: its clock, what the server draws, its page in a browser, and how it ends."""
 
+import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -170,6 +172,34 @@ def test_command_prints_its_address_and_ends(motion, tmp_path):
         assert process.stderr.read().strip() == "stopped"
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", port), timeout=10)
+
+
+def test_window_on_a_display(op3, standing, tmp_path):
+    """The command on a virtual display draws the robot into a window and ends with Ctrl-C."""
+    if not shutil.which("Xvfb"):
+        pytest.skip("needs Xvfb (apt-get install xvfb)")
+    import imageio_ffmpeg
+
+    save_trajectory(tmp_path / "t.npz", standing(op3))
+    screen = ["Xvfb", "-displayfd", "1", "-screen", "0", "640x480x24"]
+    with subprocess.Popen(screen, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
+        assert server.stdout is not None
+        display = ":" + server.stdout.readline().strip()
+        command = [sys.executable, "launch.py", "play", str(tmp_path / "t.npz")]
+        environment = os.environ | {"DISPLAY": display}
+        grab = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-f", "x11grab", "-i", display]
+        grab += ["-frames:v", "1", "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+        with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None and process.stdout.readline() == "a window\n"
+            deadline, bright = monotonic() + 60, 0.0
+            while bright < 0.1 and monotonic() < deadline:
+                sleep(1)
+                pixels = np.frombuffer(subprocess.run(grab, stdout=subprocess.PIPE, check=True).stdout, np.uint8)
+                bright = float((pixels > 128).mean())
+            process.send_signal(signal.SIGINT)
+            assert process.wait(30) == 0
+        server.terminate()
+    assert bright > 0.1, "nothing but a black screen"
 
 
 def test_page_in_a_browser(motion, chromium, tmp_path):
