@@ -19,10 +19,10 @@ from sim.plan import Plan
 ControllerName = Literal["pd", "default", "wbc"]
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
 
-DCM_GAIN = 3.0
+DCM_GAIN = 6.0
 """Shift of the centre of pressure over DCM error; above 1 the error shrinks."""
 
-SOLE_SHARE = 2.5
+SOLE_SHARE = 4.0
 """Size of a sole, about its middle, to which the pressure may be asked to go. More than 1, since the robot gives way to
 the moment and the servo's own spring takes a part of it back; without a limit the foot rolls over its edge."""
 

@@ -1,8 +1,8 @@
 """What a controller may know of the robot: the simulation's true state, or what encoders and an IMU tell.
 
 The estimate takes joint angles in whole encoder steps, joint speeds as their differences over a cycle through a
-first-order filter, orientation and turning rate from the IMU with noise, and the root's position by leg odometry: the
-feet that should stand are taken to be where the plan puts them.
+first-order filter, orientation and turning rate from the IMU with noise, and the root's position and speed by leg
+odometry: the feet that should stand are taken to be where the plan puts them, and still.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from sim.plan import Plan
 StateName = Literal["true", "estimated"]
 
 VELOCITY_CUTOFF_HZ = 12.0
-"""Of the low-pass filters of joint speeds and of the root's speed."""
+"""Of the low-pass filter of joint speeds."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,6 @@ class EncodersAndImu:
         self._share = 1 - np.exp(-2 * np.pi * VELOCITY_CUTOFF_HZ * plan.cycle_s)
         self._angles: Floats | None = None
         self._root = np.zeros(3)
-        self._standing = np.zeros(len(self._bodies), dtype=bool)
 
     def believe(self, cycle: int, actual: mujoco.MjData) -> mujoco.MjData:
         """See `Estimator`."""
@@ -104,20 +103,21 @@ class EncodersAndImu:
         data, plan, dt = self._data, self._plan, self._plan.cycle_s
         standing = plan.standing[cycle]
         if standing.any():
-            data.qpos[:3] = 0.0
+            data.qpos[:3] = data.qvel[:3] = 0.0
             mujoco.mj_kinematics(self._model, data)
-            offsets = [
-                plan.feet[cycle, foot] - data.xpos[body] - data.xmat[body].reshape(3, 3) @ middle
-                for foot, (body, middle) in enumerate(zip(self._bodies, self._middles, strict=True))
-                if standing[foot]
-            ]
+            mujoco.mj_comPos(self._model, data)
+            jacobian, offsets, speeds = np.zeros((3, self._model.nv)), [], []
+            for foot in np.flatnonzero(standing):
+                body = self._bodies[foot]
+                point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ self._middles[foot]
+                mujoco.mj_jac(self._model, data, jacobian, None, point, body)
+                offsets.append(plan.feet[cycle, foot] - point)
+                speeds.append(-jacobian @ data.qvel)
             root = np.mean(offsets, axis=0)
-            if self._angles is not None and np.array_equal(standing, self._standing):
-                data.qvel[:3] += self._share * ((root - self._root) / dt - data.qvel[:3])
+            data.qvel[:3] = np.mean(speeds, axis=0)
         else:
             data.qvel[2] += self._model.opt.gravity[2] * dt
             root = self._root + data.qvel[:3] * dt
-        self._standing = standing
         self._root = data.qpos[:3] = root
 
 
