@@ -163,6 +163,10 @@ def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDes
         raise UnsafeCommand(f"the verdict did not pass ({failed}): only a feasible motion is streamed")
     if not verdict.physics:
         raise UnsafeCommand("the verdict was made without physics: judge the trajectory with its playback")
+    if verdict.controller == "wbc":
+        raise UnsafeCommand(
+            "the verdict holds for whole-body control, which servos do not do: judge with `--controller default`"
+        )
     if verdict.mount == "fixed" and mount == "free":
         raise UnsafeCommand(
             "the verdict is for a robot held by its root, whose balance nobody judged: hang it up and use --mount fixed"

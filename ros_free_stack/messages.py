@@ -14,6 +14,8 @@ from ros_free_stack.skeleton import JOINT_COUNT
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Mount = Literal["free", "fixed"]
+ControllerName = Literal["pd", "default", "wbc"]
+"""What moves a robot in physics: servos alone, with feedforward and ankle feedback, or whole-body control."""
 
 
 def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: Any = np.float64) -> Any:
@@ -178,6 +180,7 @@ class Verdict:
         notes: what the checks do not say.
         physics: whether the trajectory was also played in physics; servos take no other verdict.
         mount: `free` for a robot on the floor, `fixed` for one held by its root, whose balance was not judged.
+        controller: what moved the robot in physics; servos take none that needs more than they have.
     """
 
     robot: str
@@ -187,6 +190,7 @@ class Verdict:
     notes: tuple[str, ...] = ()
     physics: bool = False
     mount: Mount = "free"
+    controller: ControllerName = "default"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checks", tuple(self.checks))
@@ -198,6 +202,9 @@ class Verdict:
                 raise InvalidMessage("Verdict", name, f"expected true or false, found {value!r}")
         if self.mount not in get_args(Mount):
             raise InvalidMessage("Verdict", "mount", f"expected {' or '.join(get_args(Mount))}, found {self.mount!r}")
+        if self.controller not in get_args(ControllerName):
+            known = ", ".join(get_args(ControllerName))
+            raise InvalidMessage("Verdict", "controller", f"expected one of {known}, found {self.controller!r}")
 
     @property
     def passed(self) -> bool:

@@ -5,18 +5,17 @@ goal = q + (tau + kd v) / kp, and leans the ankles of standing feet against the 
 motion (DCM, Englsberger et al. 2015), xi = c + v / omega. `wbc` is in `sim.whole_body`.
 """
 
-from typing import Literal, Protocol, get_args
+from typing import Protocol, get_args
 
 import mujoco
 import numpy as np
 
 from ros_free_stack.errors import UnknownName
-from ros_free_stack.messages import Floats
+from ros_free_stack.messages import ControllerName, Floats
 from ros_free_stack.robots import RobotDescription
 from sim.actuation import Servos
 from sim.plan import Plan
 
-ControllerName = Literal["pd", "default", "wbc"]
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
 
 DCM_GAIN = 6.0

@@ -11,10 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from ros_free_stack.messages import HumanMotion, Mount, RobotTrajectory, Segment
+from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory, Segment
 from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import INDEX
-from sim.controllers import ControllerName
 from sim.thresholds import Level
 from sim.verdict import Judgement, judge
 

@@ -14,9 +14,8 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from ros_free_stack.messages import Mount, RobotTrajectory
+from ros_free_stack.messages import ControllerName, Mount, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
-from sim.controllers import ControllerName
 from sim.estimation import SensorNoise
 from sim.model import judging_model
 from sim.playback import Disturbance, FallLimits, Stage, play, set_stage

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 from ros_free_stack.errors import InvalidOption
-from ros_free_stack.messages import Check, Mount, RobotTrajectory, Verdict
+from ros_free_stack.messages import Check, ControllerName, Mount, RobotTrajectory, Verdict
 from ros_free_stack.robots import RobotDescription
 from sim.checks import balance, coherence, contact, joints, tracking
-from sim.controllers import ControllerName
 from sim.estimation import StateName
 from sim.humanoid import has_all_limbs
 from sim.model import judging_model, size_scale
@@ -95,6 +94,7 @@ def judge(
         notes=tuple(notes),
         physics=physics,
         mount=mount,
+        controller=controller,
     )
     return Judgement(verdict, reference, playback)
 

@@ -113,6 +113,8 @@ def test_only_a_passing_verdict_of_this_trajectory_opens_the_way() -> None:
         stream(trajectory, replace(judged(trajectory), model_sha256="0" * 64), OP3, port=no_port)
     with pytest.raises(UnsafeCommand, match="--mount fixed"):
         stream(trajectory, replace(judged(trajectory), mount="fixed"), OP3, port=no_port)
+    with pytest.raises(UnsafeCommand, match="whole-body control"):
+        stream(trajectory, replace(judged(trajectory), controller="wbc"), OP3, port=no_port)
     with pytest.raises(ModelMismatch, match="retarget and judge"):
         stream(trajectory, judged(trajectory), replace(OP3, sha256="0" * 64), port=no_port)
     with pytest.raises(PortError, match=no_port):
