@@ -22,10 +22,10 @@ import tyro
 from ros_free_stack.console import progress, say
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import load_trajectory, make_folder, save_trajectory, write_text
-from ros_free_stack.messages import HumanMotion, RobotTrajectory
+from ros_free_stack.messages import ControllerName, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
 from ros_free_stack.skeleton import FPS
-from sim.controllers import CONTROLLERS, ControllerName
+from sim.controllers import CONTROLLERS
 from sim.model import judging_model, size_scale
 from sim.playback import FallLimits, Stage, play, set_stage
 from sim.reference import make_reference
