@@ -29,6 +29,7 @@ from generator.config import MAX_TOKENS, Sampling
 from generator.foot_lock import lock_feet
 from generator.generate import TOKEN_S, WEIGHTS_FOLDER, MotionGenerator
 from generator.models.conditioning import Condition, uniform_lengths
+from generator.text.counts import segment_counts
 from generator.text.domain import Domain
 from generator.text.meanwhile import encode_segments
 from generator.text.splitter import Splitter
@@ -107,11 +108,17 @@ class Bench:
         texts = torch.from_numpy(generator.text_encoder.encode_sentences([PROMPT, *segments]))
         laps.lap("encode text")
         place = torch.arange(len(segments))
-        generator.durations(texts[1:], place, torch.full_like(place, len(segments)))
+        counts = torch.from_numpy(segment_counts(segments))
+        generator.durations(texts[1:], counts, place, torch.full_like(place, len(segments)))
         laps.lap("durations")
         lengths = torch.from_numpy(uniform_lengths(len(segments), MAX_TOKENS)).expand(candidates, -1)
         clauses = torch.from_numpy(encode_segments(generator.text_encoder, segments))
-        condition = Condition(texts[:1].expand(candidates, -1), clauses.expand(candidates, -1, -1, -1), lengths)
+        condition = Condition(
+            texts[:1].expand(candidates, -1),
+            clauses.expand(candidates, -1, -1, -1),
+            counts.expand(candidates, -1, -1),
+            lengths,
+        )
         base = generator.mask.generate(condition, sampling, noise)
         laps.lap("mask steps")
         tokens = generator.residual.generate(base, condition, sampling, noise)

@@ -26,6 +26,7 @@ from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
 from generator.splice import placed
 from generator.surroundings import CONTEXT_TOKENS, Surroundings
+from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import say
@@ -192,7 +193,12 @@ class MotionGenerator:
         count = len(segments)
         place = torch.arange(count, device=self.tokenizer.mean.device)
         with torch.inference_mode():
-            mean, log_std = self.durations(self._texts(segments), place, torch.full_like(place, count))
+            mean, log_std = self.durations(
+                self._texts(segments),
+                torch.from_numpy(segment_counts(segments)).to(place.device),
+                place,
+                torch.full_like(place, count),
+            )
         draws = torch.randn(candidates, count, generator=noise, device=place.device)
         return (mean + spread * log_std.exp() * draws).exp().cpu().numpy().astype(np.float64)
 
@@ -220,6 +226,7 @@ class MotionGenerator:
         condition = Condition(
             self._texts([sentence]).expand(len(whole), -1),
             clauses.expand(len(whole), -1, -1, -1),
+            torch.from_numpy(segment_counts(texts)).to(device).expand(len(whole), -1, -1),
             stack_lengths(whole).to(device),
         )
         with torch.inference_mode():

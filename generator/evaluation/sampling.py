@@ -14,6 +14,7 @@ from generator.evaluation.pairs import Features, Pair
 from generator.generate import MotionGenerator
 from generator.models.conditioning import Condition, stack_lengths, uniform_lengths
 from generator.models.durations import whole_tokens
+from generator.text.counts import segment_counts
 from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import progress
 from ros_free_stack.skeleton import FPS
@@ -73,6 +74,7 @@ class BatchSampler:
         return Condition(
             self._embed([pair.text for pair in chosen]),
             torch.nn.utils.rnn.pad_sequence(segments, batch_first=True),
+            torch.nn.utils.rnn.pad_sequence([_counts(pair) for pair in chosen], batch_first=True).to(self._device),
             stack_lengths([self._lengths[number] for number in numbers]).to(self._device),
         )
 
@@ -86,6 +88,13 @@ class BatchSampler:
             return uniform_lengths(count, pair.frames // TOKEN_FRAMES)
         place = torch.arange(count, device=self._device)
         with torch.inference_mode():
-            mean, _ = self._generator.durations(self._embed(pair.segments), place, torch.full_like(place, count))
+            mean, _ = self._generator.durations(
+                self._embed(pair.segments), _counts(pair).to(self._device), place, torch.full_like(place, count)
+            )
         seconds = mean.double().exp().cpu().numpy()
         return whole_tokens(seconds * (pair.frames / FPS / seconds.sum()))
+
+
+def _counts(pair: Pair) -> Tensor:
+    """(A, 2) repetitions that the segment texts name."""
+    return torch.from_numpy(segment_counts(pair.segments))

@@ -74,7 +74,10 @@ class AlignedSpace:
         """Hidden tokens (n, W) of a motion's base tokens (P, n), none masked, no text seen."""
         none = torch.zeros(1, dtype=torch.bool)
         condition = Condition(
-            torch.zeros(1, TEXT_WIDTH), torch.zeros(1, 1, 2, TEXT_WIDTH), torch.tensor([[tokens.shape[1]]])
+            torch.zeros(1, TEXT_WIDTH),
+            torch.zeros(1, 1, 2, TEXT_WIDTH),
+            torch.zeros(1, 1, 2, dtype=torch.long),
+            torch.tensor([[tokens.shape[1]]]),
         )
         with torch.inference_mode():
             return self.model(tokens[:, None].long(), condition, none, none).hidden[0]

@@ -2,8 +2,8 @@
 
 MoMask puts the pooled sentence before the motion tokens ("sentence"). SegMo adds the ordered segments ("segments",
 section 3.2) and leaves it to attention to find out which segment a token belongs to. Short segments then get lost.
-With "layout" each motion token is also told its own segment's text, the segment's number, and how far into the segment
-it is.
+With "layout" each motion token is also told its own segment's text, the segment's number, how far into the segment it
+is, and, where the text names a number of repetitions, that number and how far into a repetition it would be.
 """
 
 import math
@@ -20,11 +20,15 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import MAX_SEGMENTS, TEXT_WIDTH, TOKEN_FRAMES, ConditioningKind
+from generator.text.counts import MOST
 from generator.text.encoder import Whitener
 from ros_free_stack.errors import InvalidOption
 
 PROGRESS_WAVES = 4
 TOKEN_WAVELENGTHS = (4.0, 10.0, 25.0, 60.0)
+REPETITION_MARGINS = (0, 2, 4)
+"""Tokens at either end of a segment in which, as may be, nothing is repeated yet or any more."""
+REPETITION_FEATURES = 4 * len(REPETITION_MARGINS) + MOST
 
 
 @dataclass(frozen=True)
@@ -35,11 +39,13 @@ class Condition:
         sentence: (B, 384) sentence embeddings.
         segments: (B, A, 2, 384) embeddings of each segment's main clause and of what happens meanwhile, zero where
             nothing does; rows beyond a motion's segments do not matter.
+        counts: (B, A, 2) how often each clause says that something is done, 0 where it does not say.
         lengths: (B, A) tokens of each segment, 0 beyond a motion's segments.
     """
 
     sentence: Tensor
     segments: Tensor
+    counts: Tensor
     lengths: Tensor
 
     @property
@@ -78,16 +84,19 @@ class Condition:
         return torch.arange(self.tokens, device=self.lengths.device)[None]
 
     def to(self, device: torch.device | str) -> Self:
-        return type(self)(self.sentence.to(device), self.segments.to(device), self.lengths.to(device))
+        return type(self)(*(part.to(device) for part in (self.sentence, self.segments, self.counts, self.lengths)))
 
     def repeated(self, times: int) -> Self:
         """The whole batch `times` over."""
         return type(self)(
-            self.sentence.repeat(times, 1), self.segments.repeat(times, 1, 1, 1), self.lengths.repeat(times, 1)
+            self.sentence.repeat(times, 1),
+            self.segments.repeat(times, 1, 1, 1),
+            self.counts.repeat(times, 1, 1),
+            self.lengths.repeat(times, 1),
         )
 
     def __getitem__(self, rows: Tensor) -> Self:
-        return type(self)(self.sentence[rows], self.segments[rows], self.lengths[rows])
+        return type(self)(self.sentence[rows], self.segments[rows], self.counts[rows], self.lengths[rows])
 
 
 def segment_numbers(lengths: Tensor, tokens: int) -> Tensor:
@@ -167,6 +176,8 @@ class SegmentConditioning(nn.Module):
             self.local = ClauseProjection(width)
             self.local_number = _small_table(width)
             self.progress = nn.Linear(2 * PROGRESS_WAVES + 6 * len(TOKEN_WAVELENGTHS), width)
+            self.repetition = nn.Linear(2 * REPETITION_FEATURES, width, bias=False)
+            nn.init.zeros_(self.repetition.weight)
 
     def fit(self, sentences: np.ndarray, segments: np.ndarray) -> None:
         """Learn the whitening of the training texts, (N, 384) and (M, 384)."""
@@ -200,7 +211,8 @@ class SegmentConditioning(nn.Module):
         number = condition.segment_of
         texts = self.local(clauses) * keep
         own_text = texts.gather(1, number[..., None].expand(-1, -1, texts.shape[-1]))
-        return own_text + self.local_number(number) + self.progress(_progress(condition))
+        repeated = self.repetition(_repetition(condition)) * keep
+        return own_text + repeated + self.local_number(number) + self.progress(_progress(condition))
 
 
 def _small_table(width: int) -> nn.Embedding:
@@ -219,6 +231,19 @@ def _progress(condition: Condition) -> Tensor:
         [((behind + 0.5) / lasting)[..., None] * octaves, (times[..., None] * rates).flatten(-2)], dim=-1
     )
     return torch.cat([angles.sin(), angles.cos()], dim=-1)
+
+
+def _repetition(condition: Condition) -> Tensor:
+    """(B, T, 40) of each clause: waves of the repetitions and of every second one, as if they filled the segment but
+    for each of the margins, and which number it is; zeros where there is none."""
+    counts = condition.counts.gather(1, condition.segment_of[..., None].expand(-1, -1, 2))
+    margins = torch.tensor(REPETITION_MARGINS, device=counts.device)
+    behind, lasting = condition.elapsed[..., None] + 0.5, condition.lasting[..., None]
+    over = ((behind - margins) / (lasting - 2 * margins).clamp_min(1)).clamp(0, 1)
+    angles = math.pi * counts[..., None] * over[:, :, None]
+    waves = torch.cat([angles.sin(), angles.cos(), (2 * angles).sin(), (2 * angles).cos()], dim=-1)
+    number = functional.one_hot(counts, MOST + 1)[..., 1:]
+    return torch.cat([waves * (counts > 0)[..., None], number], dim=-1).flatten(-2)
 
 
 def segment_lengths(spans: Sequence[tuple[int, int]], tokens: int) -> np.ndarray:

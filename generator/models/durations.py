@@ -3,22 +3,25 @@
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 from generator.config import MAX_SEGMENTS, MAX_TOKENS, MIN_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, DurationsConfig
 from generator.models.conditioning import WhitenedText, check_segments
+from generator.text.counts import MOST
 from ros_free_stack.skeleton import FPS
 
 MIN_LOG_STD, MAX_LOG_STD = -3.0, 1.0
 
 
 class DurationModel(nn.Module):
-    """Log-normal distribution of a segment's duration in s, from its text, its place and the number of segments."""
+    """Log-normal distribution of a segment's duration in s, from its text, the repetitions that it
+    names, its place and the number of segments."""
 
     def __init__(self, config: DurationsConfig) -> None:
         super().__init__()
         self.white = WhitenedText()
         self.network = nn.Sequential(
-            nn.Linear(TEXT_WIDTH + 2 * MAX_SEGMENTS, config.width),
+            nn.Linear(TEXT_WIDTH + 2 * MOST + 2 * MAX_SEGMENTS, config.width),
             nn.GELU(),
             nn.Dropout(0.2),
             nn.Linear(config.width, config.width),
@@ -26,14 +29,16 @@ class DurationModel(nn.Module):
             nn.Linear(config.width, 2),
         )
 
-    def forward(self, text: Tensor, place: Tensor, count: Tensor) -> tuple[Tensor, Tensor]:
-        """Embeddings (N, 384), place of each segment (N,) from 0, number of segments in its motion (N,).
+    def forward(self, text: Tensor, repetitions: Tensor, place: Tensor, count: Tensor) -> tuple[Tensor, Tensor]:
+        """Embeddings (N, 384), repetitions in both clauses (N, 2), place of each segment (N,) from 0, number of
+        segments in its motion (N,).
 
         Returns: mean and log of the standard deviation of the log of the duration in s, both (N,).
         """
         steps = torch.arange(MAX_SEGMENTS, device=text.device)
         around = torch.cat([place[:, None] == steps, count[:, None] - 1 == steps], dim=1).to(text.dtype)
-        mean, log_std = self.network(torch.cat([self.white(text), around], dim=1)).float().unbind(-1)
+        numbers = functional.one_hot(repetitions, MOST + 1)[..., 1:].flatten(1).to(text.dtype)
+        mean, log_std = self.network(torch.cat([self.white(text), numbers, around], dim=1)).float().unbind(-1)
         return mean, log_std.clamp(MIN_LOG_STD, MAX_LOG_STD)
 
 

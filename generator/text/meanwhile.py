@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from generator.text.inflection import GERUNDS, third_person
 
-_LINK = " while "
+LINK = " while "
 
 
 class Encoder(Protocol):
@@ -26,7 +26,7 @@ def clauses_at_once(segment: str) -> tuple[str, str]:
 
     `a person walks while slowly waving` -> `a person walks`, `a person slowly waves`
     """
-    main, _, meanwhile = segment.partition(_LINK)
+    main, _, meanwhile = segment.partition(LINK)
     if not meanwhile:
         return segment, ""
     words, finite = meanwhile.split(), True

@@ -14,7 +14,8 @@ from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, Segmentatio
 from generator.data.dataset import Clip, MotionDataset
 from generator.models.conditioning import Condition
 from generator.models.tokenizer import MotionTokenizer
-from generator.text.meanwhile import clauses_at_once
+from generator.text.counts import MOST, segment_counts
+from generator.text.meanwhile import LINK, clauses_at_once
 from generator.training.segmentation_table import segmentation_table
 from generator.training.text_cache import TextTable, text_table
 from generator.training.tokenizer import batches_of_equal_length, feature_batch
@@ -33,6 +34,8 @@ class TokenClip:
         tokens: (Q P, n) int16.
         sentences: (C,) rows of its captions in the table of sentences.
         segments: (C, A, 2) rows of both clauses of each caption's segments in the table of clauses, -1 for none.
+        told: (C, A, 2) repetitions that those clauses name, 0 where they do not.
+        counted: (C, A, 2) the same, with the true number where a text of one clause names none.
     """
 
     number: int
@@ -40,6 +43,8 @@ class TokenClip:
     weight: float
     sentences: np.ndarray
     segments: np.ndarray
+    told: np.ndarray
+    counted: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,7 @@ class TokenCorpus:
                     clip.weight,
                     sentences.rows(caption.text for caption in clip.captions),
                     np.stack([[clauses.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
+                    *repetitions_of(clip),
                 )
                 for clip, codes in zip(chosen, tokens, strict=True)
             )
@@ -165,7 +171,9 @@ class TokenBatches:
             self._drawn = number, list(rng.permutation(rows))
         rng = np.random.default_rng((self._seed, number, place))
         clips = [self._corpus.train[row] for row in self._drawn[1][place]]
-        return self.collate(clips, [int(rng.integers(len(clip.sentences))) for clip in clips])
+        captions = [int(rng.integers(len(clip.sentences))) for clip in clips]
+        # Most texts name no number: the true one shows what a number means, and half the time the text must do.
+        return self.collate(clips, captions, counted=rng.random(len(clips)) < 0.5)
 
     def held(self, count: int) -> list[TokenBatch]:
         """The first `count` clips of the validation split (of training, where there is none), first captions."""
@@ -177,8 +185,10 @@ class TokenBatches:
         chunks = [clips[start : start + self._batch] for start in range(0, len(clips), self._batch)]
         return [self.collate(chunk, [0] * len(chunk)) for chunk in chunks]
 
-    def collate(self, clips: Sequence[TokenClip], captions: Sequence[int]) -> TokenBatch:
-        """Pad the clips to one batch, each with the caption of the given number."""
+    def collate(
+        self, clips: Sequence[TokenClip], captions: Sequence[int], counted: np.ndarray | None = None
+    ) -> TokenBatch:
+        """Pad the clips to one batch, each with the caption of the given number; where `counted`, with true counts."""
         corpus = self._corpus
         tokens = nn.utils.rnn.pad_sequence([torch.from_numpy(clip.tokens.T) for clip in clips], batch_first=True)
         rows = [clip.segments[caption] for clip, caption in zip(clips, captions, strict=True)]
@@ -186,14 +196,32 @@ class TokenBatches:
         segments = np.zeros((len(clips), count, 2, corpus.clauses.embeddings.shape[1]), np.float32)
         for texts, row in zip(segments, rows, strict=True):
             texts[: len(row)] = corpus.clauses.embeddings[row] * (row >= 0)[..., None]
+        counts = np.zeros(segments.shape[:3], np.int64)
+        for i, (clip, caption) in enumerate(zip(clips, captions, strict=True)):
+            true = counted is not None and counted[i]
+            counts[i, : len(rows[i])] = (clip.counted if true else clip.told)[caption]
         sentences = [clip.sentences[caption] for clip, caption in zip(clips, captions, strict=True)]
         numbers = [clip.number for clip in clips]
         condition = Condition(
             torch.from_numpy(corpus.sentences.embeddings[sentences].astype(np.float32)),
             torch.from_numpy(segments),
+            torch.from_numpy(counts),
             self._layout[numbers, :count],
         )
         return TokenBatch(tokens.permute(2, 0, 1).long(), condition, self._motion_segments[numbers, :count])
+
+
+def repetitions_of(clip: Clip) -> tuple[np.ndarray, np.ndarray]:
+    """(C, A, 2) repetitions that the clauses name, and the same with the true ones; see `TokenClip`."""
+    told = np.stack([segment_counts(caption.segments) for caption in clip.captions])
+    counted = told.copy()
+    for place, segment in enumerate(clip.segments):
+        counts = [parameters["count"] for _, parameters in segment.actions if "count" in parameters]
+        alone = [len(segment.actions) == 1 and LINK not in caption.segments[place] for caption in clip.captions]
+        if len(counts) == 1:
+            silent = np.array(alone) & ~told[:, place].any(-1)
+            counted[silent, place, 0] = min(MOST, counts[0])
+    return told, counted
 
 
 def _check(dataset: MotionDataset, clip: Clip) -> None:

@@ -11,6 +11,7 @@ from generator.config import TOKEN_FRAMES, DurationsConfig, Training
 from generator.data.dataset import Clip, MotionDataset
 from generator.models.conditioning import segment_lengths
 from generator.models.durations import DurationModel
+from generator.text.counts import segment_counts
 from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.skeleton import FPS
 
@@ -42,19 +43,21 @@ class DurationsObjective:
         """Likelihood, and the median ratio between the predicted and the true duration, less one."""
         table = torch.from_numpy(rows).to(self.model.white.mean.device)
         text = self._texts[rows[:, 0].astype(int)].float().to(table.device)
-        mean, log_std = model(text, table[:, 1].long(), table[:, 2].long())
-        error = table[:, 3].float().log() - mean
+        mean, log_std = model(text, table[:, 3:5].long(), table[:, 1].long(), table[:, 2].long())
+        error = table[:, 5].float().log() - mean
         loss = (0.5 * (error / log_std.exp()).square() + log_std).mean()
         return {"loss": loss, "relative_error": error.abs().exp().median() - 1}
 
 
 def _rows(clips: tuple[Clip, ...], table: TextTable) -> np.ndarray:
-    """(N, 4): row of the text, place, number of segments, duration in s; one for each caption and segment."""
+    """(N, 6): row of the text, place, number of segments, repetitions in both clauses, duration in s; one for each
+    caption and segment."""
     rows = []
     for clip in clips:
         spans = [(segment.start, segment.end) for segment in clip.segments]
         lasting = segment_lengths(spans, clip.length // TOKEN_FRAMES) * TOKEN_FRAMES / FPS
         for caption in clip.captions:
             texts = table.rows(caption.segments)
-            rows += [(row, i, len(texts), lasting[i]) for i, row in enumerate(texts)]
+            counts = segment_counts(caption.segments)
+            rows += [(row, i, len(texts), *counts[i], lasting[i]) for i, row in enumerate(texts)]
     return np.array(rows)

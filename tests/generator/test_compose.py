@@ -1,5 +1,6 @@
 """Clips hold what their labels say."""
 
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -7,9 +8,17 @@ import pytest
 
 from generator.data.actions import perform
 from generator.data.cmu_atoms import Atom
-from generator.data.compose import MAX_FRAMES, MIN_FRAMES, ComposedClip, compose_clip, draw_plan, is_motion
+from generator.data.compose import (
+    MAX_FRAMES,
+    MIN_FRAMES,
+    SEGMENT_SHARES,
+    ComposedClip,
+    compose_clip,
+    draw_plan,
+    is_motion,
+)
 from generator.data.scene import Scene
-from generator.data.vocabulary import STILL
+from generator.data.vocabulary import STILL, VOCABULARY
 from ros_free_stack.skeleton import INDEX
 
 
@@ -110,3 +119,16 @@ def test_parts_that_stay_still_say_so() -> None:
         in ("wave", "clap", "point", "bow")
     )
     assert clip.segments[0].legs == STILL
+
+
+def test_long_deeds_are_not_rarer_than_short_ones() -> None:
+    """Swaying takes too long for most clips, and is drawn the more often where it fits."""
+    rng = np.random.default_rng(4)
+    names: Counter[str] = Counter()
+    for _ in range(3000):
+        count = 1 + int(rng.choice(len(SEGMENT_SHARES), p=SEGMENT_SHARES))
+        names.update(part.name for part in draw_plan(rng, count) if part.arms is None)
+    alike = ("crouch", "tiptoes", "lean")  # of the same weight, and short
+    usual = np.mean([names[name] / VOCABULARY[name].weight for name in alike])
+    for name in ("sway", "conduct", "sneak"):
+        assert names[name] / VOCABULARY[name].weight > 0.4 * usual

@@ -1,5 +1,6 @@
 """Layout of segments on tokens: boundaries, places within a segment, dropped texts."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +22,12 @@ from ros_free_stack.errors import InvalidOption
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
     torch.manual_seed(seed)
     table = stack_lengths(lengths)
-    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384), table)
+    return Condition(
+        torch.randn(len(table), 384),
+        torch.randn(*table.shape, 2, 384),
+        torch.zeros(*table.shape, 2, dtype=torch.long),
+        table,
+    )
 
 
 def test_places_within_segments() -> None:
@@ -82,10 +88,30 @@ def test_token_reads_its_own_segment() -> None:
     first = condition([3, 4])
     segments = first.segments.clone()
     segments[:, 1] += 1
-    second = Condition(first.sentence, segments, first.lengths)
+    second = replace(first, segments=segments)
     changed = (module(first, yes, yes).local - module(second, yes, yes).local).abs().sum(-1)[0]
     assert changed[:3].max() == 0
     assert changed[3:].min() > 0
+
+
+def test_token_is_told_where_in_the_repetitions_it_is() -> None:
+    """Only the tokens of the segment whose text names a number, and only while they may read the text."""
+    torch.manual_seed(2)
+    module, yes, no = (
+        SegmentConditioning(16, "layout"),
+        torch.ones(1, dtype=torch.bool),
+        torch.zeros(1, dtype=torch.bool),
+    )
+    torch.nn.init.normal_(module.repetition.weight)
+    silent = condition([8, 4])
+    twice = replace(silent, counts=torch.tensor([[[2, 0], [0, 0]]]))
+    added = (module(twice, yes, yes).local - module(silent, yes, yes).local)[0]
+    assert added[8:].abs().max() == 0
+    assert added[:8].abs().sum(-1).min() > 0
+    assert (added[0] - added[2]).abs().max() > 1e-3
+    thrice = replace(silent, counts=torch.tensor([[[3, 0], [0, 0]]]))
+    assert (module(thrice, yes, yes).local - module(twice, yes, yes).local)[0, :8].abs().max() > 1e-3
+    assert torch.equal(module(twice, yes, no).local, module(silent, yes, no).local)
 
 
 def test_sentence_conditioning_knows_no_segments() -> None:
@@ -95,7 +121,7 @@ def test_sentence_conditioning_knows_no_segments() -> None:
     given = module(first, yes, yes)
     assert given.prefix.shape == (1, 1, 16)
     assert given.prefix_mask.tolist() == [[True]]
-    other = module(Condition(first.sentence, first.segments + 1, stack_lengths([[2, 2, 3]])), yes, yes)
+    other = module(replace(first, segments=first.segments + 1, lengths=stack_lengths([[2, 2, 3]])), yes, yes)
     assert torch.equal(given.prefix, other.prefix)
     assert torch.equal(given.local, other.local)
 
@@ -104,13 +130,10 @@ def test_segment_conditioning_knows_no_layout() -> None:
     torch.manual_seed(4)
     module, yes = SegmentConditioning(16, "segments"), torch.ones(1, dtype=torch.bool)
     first = condition([3, 4])
-    given, moved = (
-        module(Condition(first.sentence, first.segments, stack_lengths([lengths])), yes, yes)
-        for lengths in ([3, 4], [5, 2])
-    )
+    given, moved = (module(replace(first, lengths=stack_lengths([lengths])), yes, yes) for lengths in ([3, 4], [5, 2]))
     assert torch.equal(given.prefix, moved.prefix)
     assert torch.equal(given.local, moved.local)
-    swapped = module(Condition(first.sentence, first.segments.flip(1), first.lengths), yes, yes)
+    swapped = module(replace(first, segments=first.segments.flip(1)), yes, yes)
     assert (given.prefix - swapped.prefix).abs().max() > 1e-3
 
 

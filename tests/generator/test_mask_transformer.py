@@ -17,7 +17,12 @@ CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, cod
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
     torch.manual_seed(seed)
     table = stack_lengths(lengths)
-    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384), table)
+    return Condition(
+        torch.randn(len(table), 384),
+        torch.randn(*table.shape, 2, 384),
+        torch.zeros(*table.shape, 2, dtype=torch.long),
+        table,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +52,7 @@ def test_masking_shares() -> None:
 
 def test_padding_does_not_reach_the_tokens(model: MaskTransformer) -> None:
     alone, padded = condition([3, 4]), condition([3, 4], [6, 6])
-    padded = Condition(alone.sentence.repeat(2, 1), alone.segments.repeat(2, 1, 1, 1), padded.lengths)
+    padded = replace(alone.repeated(2), lengths=padded.lengths)
     tokens = torch.randint(24, (PARTS, 2, 12))
     single = model(tokens[:, :1, :7], alone, flags(1), flags(1)).logits[:, 0]
     double = model(tokens, padded, flags(2), flags(2)).logits[:, 0, :7]
@@ -103,10 +108,9 @@ def test_learns_which_text_means_which_token() -> None:
     model = MaskTransformer(replace(CONFIG, sentence_dropout=0.0))
     texts = torch.randn(4, 384)
     optimiser = torch.optim.AdamW(model.parameters(), lr=3e-3)
-    lengths = stack_lengths([[4, 3]] * 32)
     for _ in range(60):
         words = torch.randint(4, (32, 2))
-        given = Condition(torch.randn(32, 384), texts[words][:, :, None] * torch.tensor([[1.0], [0.0]]), lengths)
+        given = replace(condition(*[[4, 3]] * 32), segments=texts[words][:, :, None] * torch.tensor([[1.0], [0.0]]))
         tokens = words.gather(1, given.segment_of)
         tokens = torch.stack([tokens, tokens + 10])
         masked, chosen = mask_tokens(tokens, given.token_mask, 24)
@@ -117,7 +121,7 @@ def test_learns_which_text_means_which_token() -> None:
         optimiser.step()
     model.eval()
     told = texts[torch.tensor([[2, 1]])][:, :, None] * torch.tensor([[1.0], [0.0]])
-    given = Condition(torch.randn(1, 384), told, stack_lengths([[3, 4]]))
+    given = replace(condition([3, 4]), segments=told)
     tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
     assert tokens.tolist() == [[[2, 2, 2, 1, 1, 1, 1]], [[12, 12, 12, 11, 11, 11, 11]]]
 

@@ -15,7 +15,12 @@ CONFIG = replace(PRESETS["small"].residual, width=32, layers=1, feed_forward=64,
 
 def condition(*lengths: list[int]) -> Condition:
     table = stack_lengths(lengths)
-    return Condition(torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384), table)
+    return Condition(
+        torch.randn(len(table), 384),
+        torch.randn(*table.shape, 2, 384),
+        torch.zeros(*table.shape, 2, dtype=torch.long),
+        table,
+    )
 
 
 def flags(count: int) -> torch.Tensor:

@@ -23,12 +23,12 @@ from generator.config import (
     TokenizerConfig,
     TransformerConfig,
 )
-from generator.data.dataset import MotionDataset
+from generator.data.dataset import Caption, MotionDataset
 from generator.models.conditioning import uniform_lengths
 from generator.models.tokenizer import MotionTokenizer
 from generator.text.meanwhile import clauses_at_once
 from generator.training import loop
-from generator.training.batches import BUCKET, TokenBatches, TokenCorpus
+from generator.training.batches import BUCKET, TokenBatches, TokenCorpus, repetitions_of
 from generator.training.loop import Run, train
 from generator.training.mask import MaskObjective
 from generator.training.stages import STAGES, Job, choose_device
@@ -185,6 +185,16 @@ def test_batches_hold_the_clips_tokens_texts_and_boundaries(dataset: MotionDatas
     )
     assert torch.equal(uniform.condition.lengths, batch.motion_segments)
     assert torch.equal(uniform.motion_segments, batch.condition.lengths)
+
+
+def test_true_numbers_are_told_where_the_text_names_none(dataset: MotionDataset, trained: Path) -> None:
+    clip = dataset.clips[0]
+    segment = replace(clip.segments[0], actions=(("wave", {"count": 4}),))
+    texts = ("a person waves", "a person waves twice", "a person waves while walking")
+    clip = replace(clip, segments=(segment,), captions=tuple(Caption(text, (text,)) for text in texts))
+    told, counted = repetitions_of(clip)
+    assert told[:, 0].tolist() == [[0, 0], [2, 0], [0, 0]]
+    assert counted[:, 0].tolist() == [[4, 0], [2, 0], [0, 0]]
 
 
 @pytest.mark.parametrize("alignment", ["none", "segment", "batch", "global", "token"])
