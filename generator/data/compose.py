@@ -24,11 +24,13 @@ from ros_free_stack.skeleton import FPS
 MIN_FRAMES: Final = 40
 MAX_FRAMES: Final = 196
 SEGMENT_SHARES: Final = (0.26, 0.29, 0.20, 0.15, 0.10)
-"""How often a clip has one, two, ... five segments."""
+BRIEF_SHARES: Final = (0.0, 0.3, 0.5, 1.0, 1.0)
+"""How often a clip has one, two, ... five segments, and how often the deeds of such a clip are kept short."""
 MAX_JOINT_SPEED: Final = 14.0  # m/s
 _SIMULTANEOUS = 0.20  # of authored segments: legs and arms apart
 _ARMS_OVER_ATOM = 0.45
 _SAME_AGAIN = 0.07
+_LEAST_FITTING = 0.15
 _QUICKEST, _SLOWEST = 0.85, 1.15  # time warp of captured motion
 _REAL_CLIPS = 0.32
 _ATTEMPTS = 200
@@ -155,14 +157,14 @@ def is_motion(joints: np.ndarray) -> bool:
 
 def draw_plan(rng: np.random.Generator, count: int, atoms: tuple[Atom, ...] = ()) -> tuple[Part, ...]:
     """The parts of a clip of `count` segments; with atoms at least one of them is captured."""
-    draw = Draw(rng, brief=count >= 4 or (count == 3 and rng.random() < 0.5))
+    draw = Draw(rng, brief=rng.random() < BRIEF_SHARES[count - 1])
     captured = _captured_slots(rng, count) if atoms else frozenset()
     plan: list[Part] = []
     for slot in range(count):
         if slot in captured:
             part = _draw_atom(rng, atoms, first=slot == 0, last=slot == count - 1, brief=draw.brief)
         else:
-            part = _draw_authored(draw, plan, limit=1.15 * MAX_FRAMES / FPS / count, joined=slot + 1 in captured)
+            part = _draw_authored(draw, plan, limit=_longest(count), joined=slot + 1 in captured)
         plan.append(part)
     return tuple(plan)
 
@@ -233,12 +235,30 @@ def _draw_deed(draw: Draw, part: str, avoid: tuple[str, ...], limit: float, even
     """An authored deed of a part of the body ("" for any) that usually lasts at most `limit` s.
 
     At an `evenness` of 0 it is drawn as often as its weight says, at 1 all are alike: combinations want many kinds.
+    Deeds that fit into few clips are drawn the more often there.
     """
     names = [n for n in VOCABULARY if n in ACTIONS and n not in avoid and (not part or ACTIONS[n].part == part)]
     short = [name for name in names if usual_duration(name, draw.brief) <= limit] or names
-    weights = np.array([VOCABULARY[name].weight ** (1 - evenness) for name in short])
+    weights = np.array([VOCABULARY[name].weight ** (1 - evenness) / _fitting(name) for name in short])
     name = short[int(draw.rng.choice(len(short), p=weights / weights.sum()))]
     return Deed(name, entry(name).sample(draw))
+
+
+def _longest(count: int) -> float:
+    """How long a deed in a clip of `count` segments should last at most, s."""
+    return 1.15 * MAX_FRAMES / FPS / count
+
+
+@cache
+def _fitting(name: str) -> float:
+    """Share of the segments of all clips that an action is short enough for."""
+    share = np.array(SEGMENT_SHARES) * np.arange(1, len(SEGMENT_SHARES) + 1)
+    share /= share.sum()
+    fits = np.zeros((2, len(share)))
+    for brief in (False, True):
+        fits[int(brief)] = [usual_duration(name, brief) <= _longest(count) for count in range(1, len(share) + 1)]
+    plain = 1 - np.array(BRIEF_SHARES)
+    return float(max(_LEAST_FITTING, share @ (plain * fits[0] + (1 - plain) * fits[1])))
 
 
 @cache
