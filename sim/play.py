@@ -1,7 +1,9 @@
 """The `play` subcommand."""
 
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -96,19 +98,36 @@ class Play(ReadsMotion):
         film = make_film(trajectory, robot, model, fps=trajectory.fps, judgement=judgement, motion=motion)
         if self.where != "browser" and has_display():
             try:
-                return self._serve("a window", lambda: play_in_window(film, model, robot))
+                return self._serve("a window", lambda until: play_in_window(film, model, robot, until))
             except RuntimeError as error:
                 say(f"no window: {error}")
         viewer = robot_viewer(film, model, robot, port=self.port)
         return self._serve(viewer.address, viewer.run)
 
-    def _serve(self, address: str, run: Callable[[], None]) -> int:
+    def _serve(self, address: str, run: Callable[[Callable[[], bool]], None]) -> int:
         """Say where to look, and show until Ctrl-C or the window's end."""
         self.report({"address": address}, address)
         sys.stdout.flush()
         say("showing; stop with Ctrl-C")
-        try:
-            run()
-        except KeyboardInterrupt:
-            say("stopped")
+        with _stop_requested() as stopped:
+            run(stopped)
+            if stopped():
+                say("stopped")
         return 0
+
+
+@contextmanager
+def _stop_requested() -> Iterator[Callable[[], bool]]:
+    """A function that tells whether Ctrl-C or SIGTERM has come.
+
+    An exception while a lock of the window or of the server is taken would leave it locked, and nothing would close.
+    """
+    caught: list[int] = []
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number in before:
+        signal.signal(number, lambda number, _: caught.append(number))
+    try:
+        yield lambda: bool(caught)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

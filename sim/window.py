@@ -2,6 +2,8 @@
 
 import os
 import sys
+import threading
+from collections.abc import Callable
 from time import perf_counter, sleep
 from typing import Any
 
@@ -41,8 +43,8 @@ def press(player: Player, key: int) -> None:
         player.faster(1 if key == UP else -1)
 
 
-def play_in_window(film: Film, model: mujoco.MjModel, robot: RobotDescription) -> None:
-    """Play a film until its window is closed or Ctrl-C.
+def play_in_window(film: Film, model: mujoco.MjModel, robot: RobotDescription, until: Callable[[], bool]) -> None:
+    """Play a film until its window is closed, or until `until` says so.
 
     Raises:
         RuntimeError: the window cannot be opened here.
@@ -51,13 +53,14 @@ def play_in_window(film: Film, model: mujoco.MjModel, robot: RobotDescription) -
 
     player, data = Player(len(film), film.fps), mujoco.MjData(model)
     picture = _Picture(film, model, robot)
+    others = set(threading.enumerate())
     with mujoco.viewer.launch_passive(
         model, data, key_callback=lambda key: press(player, key), show_left_ui=False, show_right_ui=False
     ) as window:
         with window.lock():
             picture.frame(window.cam)
         before = perf_counter()
-        while window.is_running():
+        while window.is_running() and not until():
             now = perf_counter()
             player.advance(now - before)
             before = now
@@ -68,6 +71,8 @@ def play_in_window(film: Film, model: mujoco.MjModel, robot: RobotDescription) -
             window.set_texts((None, mujoco.mjtGridPos.mjGRID_BOTTOMLEFT, f"{words}\n{HELP}", f"{state}\n"))
             window.sync()
             sleep(TICK_S)
+    for thread in set(threading.enumerate()) - others:
+        thread.join()  # it still draws the model
 
 
 class _Picture:

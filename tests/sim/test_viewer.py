@@ -167,9 +167,12 @@ def test_command_prints_its_address_and_ends(motion, tmp_path):
         with urllib.request.urlopen(address, timeout=10) as page:
             assert b"<html" in page.read().lower()
         assert "Ctrl-C" in process.stderr.readline()
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 0
-        assert process.stderr.read().strip() == "stopped"
+        try:
+            process.send_signal(signal.SIGINT)
+            assert process.wait(30) == 0
+            assert process.stderr.read().strip() == "stopped"
+        finally:
+            process.kill()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", port), timeout=10)
 
@@ -196,9 +199,12 @@ def test_window_on_a_display(op3, standing, tmp_path):
                 sleep(1)
                 pixels = np.frombuffer(subprocess.run(grab, stdout=subprocess.PIPE, check=True).stdout, np.uint8)
                 bright = float((pixels > 128).mean())
-            process.send_signal(signal.SIGINT)
-            assert process.wait(30) == 0
-        server.terminate()
+            try:
+                process.send_signal(signal.SIGINT)
+                assert process.wait(30) == 0
+            finally:
+                process.kill()
+                server.terminate()
     assert bright > 0.1, "nothing but a black screen"
 
 
