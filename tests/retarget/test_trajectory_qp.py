@@ -77,8 +77,8 @@ def test_agrees_with_a_dense_solver(seed, count, tight):
     program = TrajectoryQP(Stretch(0, count, count), dofs, smoothness)
     for _ in range(2):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(trajectory_qp, "TOLERANCE", 1e-7)
-            patch.setattr(trajectory_qp, "GAP", 1e-5)
+            patch.setattr(trajectory_qp, "TOLERANCE", 1e-9)
+            patch.setattr(trajectory_qp, "GAP", 1e-9)
             found = program.solve(cost, changes, box, soft, limits)
         assert found is not None and found.share == 1.0
         wanted = dense_solution(cost, smoothness, changes, box, soft, limits, dofs)
