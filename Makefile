@@ -17,7 +17,8 @@ demo: $(STAMP)
 	$(BIN)/python launch.py run "$(PROMPT)" --robot op3 --seed 0 --servo sim --out "$(OUT)"
 
 test: $(STAMP)
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --ignore tests/hw
+	$(BIN)/python -m pytest tests/hw  # by themselves: their threads run ahead of all others
 
 check: $(STAMP)
 	$(BIN)/ruff check .
