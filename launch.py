@@ -370,8 +370,7 @@ class Run(Command):
         if not best.judgement.passed:
             say("nothing is streamed: no candidate passed")
             return None
-        playback = best.judgement.playback
-        if playback is not None and playback.controller == "wbc":
+        if best.judgement.verdict.controller == "wbc":
             say("nothing is streamed: only whole-body control keeps the robot up, and the servo driver has none")
             return None
         from hw.stream import stream
@@ -424,7 +423,7 @@ class Validate(ValidateAlone):
 
     repair: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Where it fails, try whole-body control, then slower and smaller motions, retargeted anew; needs --motion.
-    trajectory.npz and human_motion.npz of what passed are written beside the verdict."""
+    trajectory.npz and human_motion.npz of what was judged are written beside the verdict."""
 
     def run(self) -> int:
         if self.repair and (self.motion is None or self.out is None or not self.physics):

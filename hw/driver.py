@@ -11,7 +11,6 @@ import numpy as np
 
 from hw.configure import MODES, pose_settings, ram_settings
 from hw.cycle import Cycle, Reading
-from hw.interrupts import Interrupts, caught_interrupts
 from hw.line import WATCHDOG_TRIPPED
 from hw.pace import realtime_priority
 from hw.resample import ramp
@@ -22,6 +21,7 @@ from hw.stop import disarm, hold, torque_off
 from hw.units import to_raw, to_si
 from ros_free_stack.console import say
 from ros_free_stack.errors import BusFault, LostServo, ServoFault, StackError, UnsafeCommand
+from ros_free_stack.interrupts import Interrupts, caught_interrupts
 from ros_free_stack.messages import Floats
 from ros_free_stack.rate import Rate
 from ros_free_stack.robots import StopPolicy

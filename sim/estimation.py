@@ -10,7 +10,6 @@ from typing import Literal, Protocol
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ros_free_stack.messages import Floats
 from ros_free_stack.robot_model import joint_addresses
@@ -90,9 +89,8 @@ class EncodersAndImu:
             data.qvel[self._dofs] += self._share * (speed - data.qvel[self._dofs])
         data.qpos[self._positions] = angles
         if self._free:
-            tilt = Rotation.from_rotvec(self._rng.normal(0, self._noise.tilt, 3))
-            true = Rotation.from_quat(actual.qpos[3:7], scalar_first=True)
-            data.qpos[3:7] = (tilt * true).as_quat(scalar_first=True)
+            data.qpos[3:7] = actual.qpos[3:7]
+            mujoco.mju_quatIntegrate(data.qpos[3:7], self._rng.normal(0, self._noise.tilt, 3), 1.0)
             data.qvel[3:6] = actual.qvel[3:6] + self._rng.normal(0, self._noise.rate, 3)
             self._walk(cycle)
         self._angles = angles

@@ -1,9 +1,7 @@
 """The `play` subcommand."""
 
-import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -13,6 +11,7 @@ import tyro
 from ros_free_stack.console import say
 from ros_free_stack.formats.cli import ReadsMotion
 from ros_free_stack.formats.source import QuaternionOrder
+from ros_free_stack.interrupts import caught_interrupts
 
 if TYPE_CHECKING:
     from ros_free_stack.messages import HumanMotion, RobotTrajectory
@@ -109,25 +108,9 @@ class Play(ReadsMotion):
         self.report({"address": address}, address)
         sys.stdout.flush()
         say("showing; stop with Ctrl-C")
-        with _stop_requested() as stopped:
-            run(stopped)
-            if stopped():
+        # An exception while a lock of the window or of the server is taken would leave it locked: nothing would close.
+        with caught_interrupts() as interrupts:
+            run(lambda: interrupts.pending)
+            if interrupts.pending:
                 say("stopped")
         return 0
-
-
-@contextmanager
-def _stop_requested() -> Iterator[Callable[[], bool]]:
-    """A function that tells whether Ctrl-C or SIGTERM has come.
-
-    An exception while a lock of the window or of the server is taken would leave it locked, and nothing would close.
-    """
-    caught: list[int] = []
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number in before:
-        signal.signal(number, lambda number, _: caught.append(number))
-    try:
-        yield lambda: bool(caught)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

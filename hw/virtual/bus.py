@@ -29,6 +29,7 @@ from ros_free_stack.robots import RobotDescription
 _TICK_S = 4e-3
 _QUIET_S = 0.1
 _SPARE_S = 1e-3
+"""Wire time in which the servos' own step, some 0.3 ms of computation, surely fits."""
 _BITS_PER_BYTE = 10
 _RATES = {getattr(termios, f"B{rate}"): rate for rate in BAUD_RATES if hasattr(termios, f"B{rate}")}
 """The terminal's code of each rate that it knows by name."""

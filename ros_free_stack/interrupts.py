@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a lost terminal as a flag, so that no cycle and no controlled stop is cut in the middle."""
+"""Ctrl-C, SIGTERM and a lost terminal as a flag, so that nothing is cut in the middle: no controlled stop, no lock."""
 
 import signal
 import threading
