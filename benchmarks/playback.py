@@ -5,35 +5,40 @@ python benchmarks/playback.py --dataset data/corpus --robots op3 --clips 2 --per
 
 Authored clips of the validation and test splits with one action each, sorted into classes, and CMU's takes called
 "walk", one a subject, the first seconds of each. Success means that the robot did not fall. Perturbed runs differ in
-mass, friction, latency, a push and sensor noise, and read an estimated state; PD reads nothing. The confusion table
-sets the verdict of the reference's own checks (no simulation) against the default controller's nominal playback, for
-two halves of the clips: limits may be tuned on the first only. Times are of this process alone. Trajectories are kept
-under --out and read again.
+mass, friction, latency, a push and sensor noise, and read an estimated state; PD reads nothing. The checks of the
+reference and those of the default controller's nominal playback that do not ask whether the robot stands are set
+against whether it stood, for two halves of the clips: limits may be tuned on the first only. Times are of this process
+alone. Trajectories and what each playback gave are kept under --out and read again, so a run that was broken off goes
+on; delete what a change of the code made stale. Verdicts are formed anew with the present limits.
 """
 
-from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+import json
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from time import process_time
+from typing import Any, Final, TypeVar
 
+import numpy as np
 import tyro
 
-from ros_free_stack.console import progress, say
+from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import load_trajectory, make_folder, save_trajectory, write_text
-from ros_free_stack.messages import ControllerName, HumanMotion, RobotTrajectory
+from ros_free_stack.messages import Check, ControllerName, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
 from ros_free_stack.skeleton import FPS
 from sim.controllers import CONTROLLERS
 from sim.model import judging_model, size_scale
 from sim.playback import FallLimits, Stage, play, set_stage
-from sim.reference import make_reference
+from sim.reference import Reference, make_reference
+from sim.repair import BALANCE_CHECKS
 from sim.robustness import draw, wilson
 from sim.thresholds import load_thresholds
-from sim.verdict import kinematic_checks
+from sim.verdict import kinematic_checks, playback_checks
 
-CLASSES = {
+CLASSES: Final = {
     "gesture": ("wave", "raise_arm", "clap", "point", "salute", "reach", "punch"),
     "bow": ("bow", "bend_forward"),
     "squat": ("squat", "crouch"),
@@ -44,7 +49,9 @@ CLASSES = {
     "one leg": ("balance", "knee_lift"),
     "slow kick": ("swing_leg", "kick"),
 }
-WALK = "CMU walk"
+WALK: Final = "CMU walk"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -67,35 +74,99 @@ class Arguments:
     """Seconds of each walk."""
     perturbed: int = 20
     """Perturbed runs of each motion and controller."""
+    perturbed_controllers: tuple[ControllerName, ...] = CONTROLLERS
+    """Controllers that are played perturbed."""
+    perturbed_clips: int = 1000
+    """Clips a class that are played perturbed."""
     out: Path = Path("out/playback")
-    """Folder for tables.md and the trajectories."""
+    """Folder for tables.md, the trajectories and the results."""
 
 
-@dataclass
-class Tally:
-    """Runs and successes, and seconds spent a second of motion."""
+@dataclass(frozen=True)
+class Item:
+    """One motion on one robot, and what became of it.
 
-    nominal: list[bool] = field(default_factory=list[bool])
-    perturbed: list[bool] = field(default_factory=list[bool])
-    seconds: list[float] = field(default_factory=list[float])
+    Attributes:
+        kind: its class.
+        half: 0 for the clips on which limits may be tuned, 1 for those that report.
+        checks: `value` of each check of the reference and of the default controller's nominal playback.
+        fell_at_s: by controller, of the nominal playback; None where it stood.
+        perturbed: by controller, the same of each perturbed run.
+        cost_s: by part, s of this process a second of motion.
+    """
 
-    def cell(self) -> str:
-        """Nominal successes, then perturbed ones with their interval."""
-        words = f"{sum(self.nominal)}/{len(self.nominal)}"
-        if self.perturbed:
-            low, high = wilson(sum(self.perturbed), len(self.perturbed))
-            words += f"; {sum(self.perturbed)}/{len(self.perturbed)} ({low:.0%} to {high:.0%})"
-        return words
+    robot: str
+    kind: str
+    clip: str
+    half: int
+    scale: float
+    checks: dict[str, float]
+    fell_at_s: dict[str, float | None]
+    perturbed: dict[str, list[float | None]]
+    cost_s: dict[str, float]
+
+    @property
+    def stood(self) -> bool:
+        return self.fell_at_s["default"] is None
+
+    def refused_by(self) -> list[str]:
+        """Names of the checks other than those of standing and tracking that refuse the motion at present."""
+        limits = load_thresholds("default", scale=self.scale)
+        values = ((name, value) for name, value in self.checks.items() if name not in BALANCE_CHECKS)
+        return [name for name, value in values if not limits[name].check(name, value, "").passed]
 
 
-@dataclass
-class Results:
-    """Everything that is counted."""
+class Judged:
+    """A trajectory on its robot, made ready for playbacks where something is played."""
 
-    tallies: dict[tuple[str, str, str], Tally] = field(default_factory=lambda: defaultdict(Tally))
-    costs: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
-    verdicts: dict[int, list[tuple[bool, bool]]] = field(default_factory=lambda: defaultdict(list))
-    blamed: dict[str, int] = field(default_factory=lambda: defaultdict(int))
+    def __init__(self, trajectory: RobotTrajectory, robot: RobotDescription) -> None:
+        self._trajectory, self._robot, self._model = trajectory, robot, judging_model(robot)
+        self.scale, self.cost_s = size_scale(robot, self._model), dict[str, float]()
+        self._limits = load_thresholds("default", scale=self.scale)
+        self._fall = FallLimits(self._limits["fall_height"].limit, self._limits["fall_orientation"].limit)
+
+    @cached_property
+    def _reference(self) -> Reference:
+        return self._timed(
+            "place bodies, find contacts", lambda: make_reference(self._trajectory, self._robot, self._model)
+        )
+
+    @cached_property
+    def _stage(self) -> Stage:
+        return self._timed("inverse dynamics", lambda: set_stage(self._reference))
+
+    def reference(self) -> dict[str, Any]:
+        """Values of the reference's checks, and what they and the preparation of a playback cost."""
+        reference = self._reference
+        checks = self._timed("checks", lambda: kinematic_checks(reference, self._limits, "free", self.scale))
+        _ = self._stage
+        return {"checks": _values(checks), "cost_s": self.cost_s}
+
+    def nominal(self, controller: ControllerName) -> dict[str, Any]:
+        """When it fell, and the values of the playback's checks."""
+        part, stage = f"simulate, {controller}", self._stage
+        playback = self._timed(part, lambda: play(stage, self._fall, controller=controller))
+        checks = playback_checks(stage.reference, playback, self._limits, "free")
+        cost_s = {part: self.cost_s[part]}
+        return {"fell_at_s": playback.fell_at_s, "checks": _values(checks), "cost_s": cost_s}
+
+    def perturbed(self, controller: ControllerName, runs: int) -> list[float | None]:
+        """When each run fell; None where it stood."""
+        stage = self._stage
+        return [
+            play(stage, self._fall, controller=controller, state="estimated", disturbance=draw(stage, seed)).fell_at_s
+            for seed in range(runs)
+        ]
+
+    def _timed(self, part: str, make: Callable[[], T]) -> T:
+        began = process_time()
+        made = make()
+        self.cost_s[part] = (process_time() - began) / self._trajectory.duration_s
+        return made
+
+
+def _values(checks: Iterable[Check]) -> dict[str, float]:
+    return {check.name: check.value for check in checks}
 
 
 def motions(arguments: Arguments) -> Iterator[tuple[str, str, HumanMotion]]:
@@ -142,84 +213,120 @@ def trajectories(
         yield kind, name, trajectory
 
 
-def measure(arguments: Arguments, robot: RobotDescription, kind: str, trajectory: RobotTrajectory, half: int,
-            results: Results) -> None:  # fmt: skip
-    """Check and play one trajectory, and add what came out."""
-    model, duration = judging_model(robot), trajectory.duration_s
-    scale = size_scale(robot, model)
-    limits = load_thresholds("default", scale=scale)
-    fall = FallLimits(limits["fall_height"].limit, limits["fall_orientation"].limit)
-    started = process_time()
-    reference = make_reference(trajectory, robot, model)
-    placed = process_time()
-    failed = [check.name for check in kinematic_checks(reference, limits, "free", scale) if not check.passed]
-    checked = process_time()
-    stage = set_stage(reference)
-    planned = process_time()
-    for part, seconds in (
-        ("place bodies, find contacts", placed - started),
-        ("checks", checked - placed),
-        ("inverse dynamics", planned - checked),
-    ):
-        results.costs[robot.name, part].append(seconds / duration)
-    for controller in arguments.controllers:
-        tally = results.tallies[robot.name, kind, controller]
-        began = process_time()
-        stood = stands(stage, fall, controller, None)
-        results.costs[robot.name, f"simulate, {controller}"].append((process_time() - began) / duration)
-        tally.nominal.append(stood)
-        tally.perturbed += [stands(stage, fall, controller, seed) for seed in range(arguments.perturbed)]
-        if controller == "default":
-            results.verdicts[half].append((not failed, stood))
-            for name in failed if stood else ():
-                results.blamed[name] += 1
+def measure(
+    arguments: Arguments, robot: RobotDescription, kind: str, clip: str, place: int, trajectory: RobotTrajectory
+) -> Item:
+    """Check and play one trajectory, the `place`-th of its class."""
+    judged = Judged(trajectory, robot)
+
+    def kept(what: str, make: Callable[[], Any]) -> Any:
+        path = arguments.out / "results" / f"{robot.name}-{clip}-{what}.json"
+        if not path.is_file():
+            write_text(path, json.dumps(make()))
+        return json.loads(path.read_text(encoding="utf-8"))
+
+    reference = kept("reference", judged.reference)
+    nominal = {name: kept(name, lambda name=name: judged.nominal(name)) for name in arguments.controllers}
+    shaken: list[ControllerName] = [name for name in arguments.perturbed_controllers if name in nominal]
+    runs = arguments.perturbed if place < arguments.perturbed_clips else 0
+    costs = [reference["cost_s"], *(item["cost_s"] for item in nominal.values())]
+    return Item(
+        robot=robot.name,
+        kind=kind,
+        clip=clip,
+        half=place % 2,
+        scale=judged.scale,
+        checks=reference["checks"] | nominal.get("default", {}).get("checks", {}),
+        fell_at_s={name: item["fell_at_s"] for name, item in nominal.items()},
+        perturbed={
+            name: kept(f"{name}-{runs}", lambda name=name: judged.perturbed(name, runs)) for name in shaken if runs
+        },
+        cost_s={part: seconds for cost in costs for part, seconds in cost.items()},
+    )
 
 
-def stands(stage: Stage, fall: FallLimits, controller: ControllerName, seed: int | None) -> bool:
-    """Whether the robot stays up, nominally or under the disturbance of that seed."""
-    if seed is None:
-        return play(stage, fall, controller=controller).fell_at_s is None
-    disturbance = draw(stage, seed)
-    return play(stage, fall, controller=controller, state="estimated", disturbance=disturbance).fell_at_s is None
-
-
-def tables(arguments: Arguments, results: Results) -> str:
+def tables(arguments: Arguments, items: list[Item]) -> str:
     """All tables as Markdown."""
-    lines = [
-        f"| robot | class | {' | '.join(arguments.controllers)} |",
-        "|---" * (2 + len(arguments.controllers)) + "|",
-    ]
-    kinds = [*CLASSES, WALK]
+    parts = [_success(arguments, items)]
+    if "default" in arguments.controllers:
+        parts += [_confusion(arguments, items), _blame(items)]
+    return "\n".join([*parts, _costs(arguments, items)])
+
+
+def _success(arguments: Arguments, items: list[Item]) -> str:
+    """Nominal successes, then perturbed ones with their interval."""
+    rows: list[tuple[str, ...]] = [("robot", "class", *arguments.controllers)]
     for robot in arguments.robots:
-        for kind in kinds:
-            cells = [results.tallies[robot, kind, name] for name in arguments.controllers]
-            if cells[0].nominal:
-                lines.append(f"| {robot} | {kind} | {' | '.join(cell.cell() for cell in cells)} |")
-    lines += ["", "| robot | part | ms a motion second | times real time |", "|---|---|---|---|"]
-    for (robot, part), seconds in results.costs.items():
-        mean = sum(seconds) / len(seconds)
-        lines.append(f"| {robot} | {part} | {1e3 * mean:.1f} | {1 / mean:.0f} |")
-    lines += ["", "| half | passed, stood | passed, fell | failed, stood | failed, fell |", "|---|---|---|---|---|"]
-    for half, pairs in sorted(results.verdicts.items()):
-        counts = [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
-        lines.append(f"| {'first' if half == 0 else 'second'} | {' | '.join(map(str, counts))} |")
-    blamed = ", ".join(f"{name} {count}" for name, count in results.blamed.items()) or "none"
-    return "\n".join([*lines, "", f"Checks that refused a motion that stood: {blamed}.", ""])
+        for kind in (*CLASSES, WALK):
+            of_kind = [item for item in items if (item.robot, item.kind) == (robot, kind)]
+            if of_kind:
+                rows.append((robot, kind, *(_cell(of_kind, name) for name in arguments.controllers)))
+    return _markdown(rows)
+
+
+def _cell(items: list[Item], controller: str) -> str:
+    words = f"{sum(item.fell_at_s[controller] is None for item in items)}/{len(items)}"
+    runs = [fell for item in items for fell in item.perturbed.get(controller, ())]
+    if not runs:
+        return words
+    low, high = wilson(runs.count(None), len(runs))
+    return f"{words}; {runs.count(None)}/{len(runs)} ({low:.0%} to {high:.0%})"
+
+
+def _confusion(arguments: Arguments, items: list[Item]) -> str:
+    """Whether the checks that do not ask for standing pass, against whether the robot stood."""
+    pairs = {(True, True): "passed, stood", (True, False): "passed, fell"}
+    pairs |= {(False, True): "failed, stood", (False, False): "failed, fell"}
+    rows: list[tuple[str, ...]] = [("robot", "half", *pairs.values())]
+    for robot in arguments.robots:
+        for half, name in enumerate(("first", "second")):
+            found = [(not i.refused_by(), i.stood) for i in items if (i.robot, i.half) == (robot, half)]
+            rows.append((robot, name, *(str(found.count(pair)) for pair in pairs)))
+    return _markdown(rows)
+
+
+def _blame(items: list[Item]) -> str:
+    """Which checks refused, and how many of those motions stood."""
+    refused = [(name, item) for item in items for name in item.refused_by()]
+    rows: list[tuple[str, ...]] = [
+        ("check that refused", "first half: stood / fell", "second: stood / fell", "values where it stood")
+    ]
+    for check in sorted({name for name, _ in refused}):
+        halves = [[item for name, item in refused if name == check and item.half == half] for half in (0, 1)]
+        counts = [f"{sum(i.stood for i in half)} / {sum(not i.stood for i in half)}" for half in halves]
+        stood = sorted(item.checks[check] for half in halves for item in half if item.stood)
+        rows.append((check, *counts, ", ".join(f"{value:.3g}" for value in stood)))
+    return _markdown(rows)
+
+
+def _costs(arguments: Arguments, items: list[Item]) -> str:
+    rows: list[tuple[str, ...]] = [("robot", "part", "ms a motion second", "times real time")]
+    for robot in arguments.robots:
+        costs = [item.cost_s for item in items if item.robot == robot]
+        for part in costs[0] if costs else ():
+            mean = float(np.mean([cost[part] for cost in costs]))
+            rows.append((robot, part, f"{1e3 * mean:.1f}", f"{1 / mean:.0f}"))
+    return _markdown(rows)
+
+
+def _markdown(rows: list[tuple[str, ...]]) -> str:
+    head, *body = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join([head, "|---" * len(rows[0]) + "|", *body, ""])
 
 
 def main(arguments: Arguments) -> None:
-    """Measure robot by robot; the tables are written anew after each motion."""
-    make_folder(arguments.out / "trajectories")
+    """Measure robot by robot; the tables are written anew after each."""
+    for folder in ("trajectories", "results"):
+        make_folder(arguments.out / folder)
     found = list(motions(arguments))
-    results = Results()
+    items: list[Item] = []
     for name in arguments.robots:
-        robot = load_robot(name)
-        made = trajectories(arguments, robot, found)
-        for index, (kind, clip, trajectory) in enumerate(progress(made, name, total=len(found))):
-            measure(arguments, robot, kind, trajectory, index % 2, results)
-            say(f"{name} {kind} {clip}")
-            write_text(arguments.out / "tables.md", tables(arguments, results))
-    print(tables(arguments, results))
+        robot, seen = load_robot(name), list[str]()
+        for kind, clip, trajectory in progress(trajectories(arguments, robot, found), name, total=len(found)):
+            items.append(measure(arguments, robot, kind, clip, seen.count(kind), trajectory))
+            seen.append(kind)
+        write_text(arguments.out / "tables.md", tables(arguments, items))
+    print(tables(arguments, items))
 
 
 if __name__ == "__main__":
