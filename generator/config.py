@@ -35,7 +35,7 @@ class TokenizerConfig:
         dilation_growth: dilation of block i is this to the power i.
         codes, code_width, quantizers: codebook entries, their width, and residual layers.
         parts: what has codes of its own, the "whole" body (MoMask) or its "limbs": legs, trunk, head, and either arm.
-        quantizer_dropout: probability that a training batch uses only the first few quantizers.
+        quantizer_dropout: probability that a training batch uses only the first q < Q quantizers, q uniform.
     """
 
     stem: Literal["strided", "patch"]
@@ -191,7 +191,7 @@ def _textless(config: TransformerConfig) -> TransformerConfig:
 PRESETS: dict[str, Preset] = {
     "small": Preset(
         tokenizer=TokenizerConfig(
-            "patch", 256, 96, 3, 2, codes=512, code_width=64, quantizers=3, quantizer_dropout=0.4, parts="limbs"
+            "patch", 256, 96, 3, 2, codes=512, code_width=64, quantizers=3, quantizer_dropout=0.8, parts="limbs"
         ),
         tokenizer_training=Training(48, 10_000, 1e-3, ema=0.0, weight_decay=0.0),
         mask=_SMALL_MASK,

@@ -33,25 +33,23 @@ class ResidualQuantizer(nn.Module):
 
     Args:
         quantizers, codes, width: Q layers of K codes of D numbers.
-        dropout: probability that a training batch uses only its first q < Q layers, q uniform.
     """
 
     codebooks: Tensor
     usage: Tensor
     started: Tensor
 
-    def __init__(self, *, quantizers: int, codes: int, width: int, dropout: float) -> None:
+    def __init__(self, *, quantizers: int, codes: int, width: int) -> None:
         super().__init__()
-        self.dropout = dropout
         self.register_buffer("codebooks", torch.zeros(quantizers, codes, width))
         self.register_buffer("usage", torch.ones(quantizers, codes))
         self.register_buffer("started", torch.zeros((), dtype=torch.bool))
 
-    def forward(self, inputs: Tensor) -> Quantized:
-        """Quantize (B, T, D); in training also learn the codebooks."""
+    def forward(self, inputs: Tensor, layers: int | None = None) -> Quantized:
+        """Quantize (B, T, D) by the first layers, all if not told; in training also learn their codebooks."""
         residual = inputs.float().flatten(0, 1)
         flat, commitment, tokens = residual, residual.new_zeros(()), []
-        layers = self._layers()
+        layers = layers if layers is not None and self.started else len(self.codebooks)
         for layer in range(layers):
             if self.training and not self.started:
                 self.codebooks[layer] = _sample(residual.detach(), len(self.usage[layer]))
@@ -77,13 +75,6 @@ class ResidualQuantizer(nn.Module):
         """Index (N,) of the code nearest to each of (N, D) vectors."""
         book = self.codebooks[layer]
         return (book.square().sum(1) - 2 * vectors @ book.T).argmin(1)
-
-    def _layers(self) -> int:
-        """How many layers this batch uses."""
-        total = len(self.codebooks)
-        if not (self.training and self.started and total > 1) or torch.rand(()) >= self.dropout:
-            return total
-        return int(torch.randint(1, total, ()))
 
     @torch.no_grad()
     def _learn(self, vectors: Tensor, chosen: Tensor, layer: int) -> None:

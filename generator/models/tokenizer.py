@@ -50,7 +50,6 @@ class MotionTokenizer(nn.Module):
                 quantizers=config.quantizers,
                 codes=config.codes,
                 width=config.code_width,
-                dropout=config.quantizer_dropout,
             )
             for _ in self.channels
         )
@@ -66,7 +65,7 @@ class MotionTokenizer(nn.Module):
 
     def forward(self, standardised: Tensor) -> Reconstruction:
         """Standardised features (B, T, 263), T a multiple of four, through the tokens and back."""
-        found = self._quantized(standardised)
+        found = self._quantized(standardised, self._layers())
         commitment = torch.stack([quantized.commitment for quantized in found]).mean()
         return Reconstruction(self._decode([quantized.values for quantized in found]), commitment)
 
@@ -87,13 +86,20 @@ class MotionTokenizer(nn.Module):
         values = [quantizer.decode(rows) for quantizer, rows in zip(self._quantizers(), parts, strict=True)]
         return self._decode(values) * self.std + self.mean
 
-    def _quantized(self, standardised: Tensor) -> list[Quantized]:
+    def _layers(self) -> int:
+        """How many layers this batch uses: one number for all parts, as generation has it."""
+        total = self.config.quantizers
+        if not self.training or total == 1 or torch.rand(()) >= self.config.quantizer_dropout:
+            return total
+        return int(torch.randint(1, total, ()))
+
+    def _quantized(self, standardised: Tensor, layers: int | None = None) -> list[Quantized]:
         """The codes of each part."""
         found: list[Quantized] = []
         for encoder, quantizer, channels in zip(self.encoders, self._quantizers(), self.channels, strict=True):
             latent = encoder(standardised[..., channels].transpose(1, 2)).transpose(1, 2)
             with torch.autocast(latent.device.type, enabled=False):
-                found.append(quantizer(latent))
+                found.append(quantizer(latent, layers))
         return found
 
     def _quantizers(self) -> list[ResidualQuantizer]:

@@ -57,12 +57,20 @@ class Job:
         return result
 
     def _begin_with(self, folder: Path, objective: Objective) -> None:
+        """Take trained weights; tokens may be those of the present tokenizer or of the one that it was tuned from."""
         saved = weights.load(folder, self.stage)
-        if saved.facts.get("tokenizer") != objective.facts.get("tokenizer"):
+        if saved.facts.get("tokenizer") not in (objective.facts.get("tokenizer"), self._tokenizer_before(objective)):
             raise InvalidOption(
                 "--tune", f"{folder} was trained with another tokenizer than the one in {self.out / 'tokenizer'}"
             )
         saved.fill(objective.model)
+        objective.facts["tuned_from"] = saved.digest
+
+    def _tokenizer_before(self, objective: Objective) -> str | None:
+        """Digest of the tokenizer that the present one was tuned from, for a model that speaks its tokens."""
+        if "tokenizer" not in objective.facts:
+            return None
+        return weights.load(self.out / "tokenizer", "tokenizer").facts.get("tuned_from")
 
     def _embed_known_texts(self) -> None:
         from generator.grounding.space import AlignedSpace

@@ -10,7 +10,7 @@ from generator.models.quantizer import DECAY, ResidualQuantizer
 
 def trained(inputs: torch.Tensor, *, quantizers: int = 3, codes: int = 16, steps: int = 60) -> ResidualQuantizer:
     torch.manual_seed(0)
-    quantizer = ResidualQuantizer(quantizers=quantizers, codes=codes, width=inputs.shape[-1], dropout=0.2)
+    quantizer = ResidualQuantizer(quantizers=quantizers, codes=codes, width=inputs.shape[-1])
     for _ in range(steps):
         quantizer(inputs)
     return quantizer.eval()
@@ -91,7 +91,7 @@ def test_evaluation_changes_nothing(inputs: torch.Tensor) -> None:
 @settings(max_examples=20, deadline=None)
 @given(batch=st.integers(1, 4), frames=st.integers(1, 9), used=st.integers(1, 3))
 def test_shapes(batch: int, frames: int, used: int) -> None:
-    quantizer = ResidualQuantizer(quantizers=3, codes=5, width=4, dropout=0.0)
+    quantizer = ResidualQuantizer(quantizers=3, codes=5, width=4)
     result = quantizer(torch.randn(batch, frames, 4))
     assert result.values.shape == (batch, frames, 4)
     assert result.tokens.shape == (3, batch, frames)

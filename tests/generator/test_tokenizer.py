@@ -68,6 +68,23 @@ def test_a_few_steps_learn_a_motion() -> None:
     assert history[-1] < 0.35 * history[0]
 
 
+def test_all_parts_leave_out_the_same_layers() -> None:
+    """Generation reads the lowest layers of all parts: a decoder that never saw that would blur them."""
+    torch.manual_seed(0)
+    tokenizer = MotionTokenizer(replace(SMALL, quantizer_dropout=0.8)).train()
+    used: list[int] = []
+    for quantizer in tokenizer.quantizers:
+        quantizer.register_forward_hook(lambda module, inputs, found: used.append(len(found.tokens)))
+    standardised = torch.randn(4, 64, FEATURES)
+    batches = []
+    for _ in range(40):
+        used.clear()
+        tokenizer(standardised)
+        batches.append(tuple(used))
+    assert batches[0] == (3,) * 5, "the first batch starts the codes of all layers"
+    assert {(1,) * 5, (2,) * 5, (3,) * 5} == set(batches)
+
+
 def test_every_feature_belongs_to_one_part() -> None:
     for kind in ("whole", "limbs"):
         parts = part_channels(kind)

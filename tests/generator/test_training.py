@@ -227,6 +227,10 @@ def test_tuning_begins_with_trained_weights(dataset: MotionDataset, tmp_path: Pa
         assert Job("mask", dataset, "tiny", trained, 1, None, "cpu", 0, False).run()["finished"]
         assert Job("tokenizer", dataset, "tiny", tuned, 1, None, "cpu", 0, False, tune=trained).run()["finished"]
         assert float(curve(tuned / "tokenizer")[0]["loss"]) < 0.6 * float(curve(trained / "tokenizer")[0]["loss"])
+        assert Job("mask", dataset, "tiny", tuned, 1, None, "cpu", 0, False, tune=trained).run()["finished"]
+        for stage in ("tokenizer", "mask"):
+            before, after = (weights.load(folder / stage, stage) for folder in (trained, tuned))
+            assert after.facts["tuned_from"] == before.digest
         assert Job("tokenizer", dataset, "tiny", other, 1, None, "cpu", 1, False).run()["finished"]
         with pytest.raises(InvalidOption, match="was trained with another tokenizer"):
             Job("mask", dataset, "tiny", other, 1, None, "cpu", 0, False, tune=trained).run()
