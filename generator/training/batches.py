@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from generator import weights
 from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, SegmentationKind, TokenizerConfig
 from generator.data.dataset import Clip, MotionDataset
+from generator.data.drawing import drawing_weights
 from generator.models.conditioning import Condition
 from generator.models.tokenizer import MotionTokenizer
 from generator.text.counts import MOST, segment_counts
@@ -104,17 +105,17 @@ class TokenCorpus:
             chosen = dataset.split(split)
             for clip in chosen:
                 _check(dataset, clip)
-            tokens = _tokenise(tokenizer, dataset, chosen)
+            tokens, chances = _tokenise(tokenizer, dataset, chosen), drawing_weights(chosen)
             return tuple(
                 TokenClip(
                     place[clip.id],
                     codes,
-                    clip.weight,
+                    chance,
                     sentences.rows(caption.text for caption in clip.captions),
                     np.stack([[clauses.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
                     *repetitions_of(clip),
                 )
-                for clip, codes in zip(chosen, tokens, strict=True)
+                for clip, codes, chance in zip(chosen, tokens, chances.tolist(), strict=True)
             )
 
         return cls(
