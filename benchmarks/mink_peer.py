@@ -1,7 +1,8 @@
-"""mink (Zakka 2024) on this project's targets, in two ways, for comparison.
+"""mink (Zakka 2024) on this project's targets, in three ways, for comparison.
 
 Costs, footholds and the first configuration are those of the frame solver. `equalities` takes three steps a frame with
-joint ranges, speed limits and standing feet as equalities. `loop` is that of General Motion Retargeting (Ze et al.
+joint ranges, speed limits and standing feet as equalities; `bounded` does so within the frame solver's own bounds of
+range, speed and acceleration, which mink lacks. `loop` is that of General Motion Retargeting (Ze et al.
 2025, `motion_retarget.py`): two tables of tasks, one after the other, each with one step and up to ten more until the
 error falls by less than 1e-3; weights of 100 for the pelvis, damping of 0.5, Levenberg-Marquardt damping of 1, DAQP,
 ranges and no speed limits. It has fewer tasks here than there (no orientations of limbs, no hips and shoulders), and so
@@ -12,9 +13,12 @@ from importlib import import_module
 from time import thread_time
 from typing import Any, Final
 
+import casadi as ca
 import numpy as np
 
+from retarget.compiled import BufferedFunction
 from retarget.geometry import RobotGeometry
+from retarget.limits import JointBounds, reach
 from retarget.problem import DAMPING, POINT_WEIGHTS, ROTATION_WEIGHTS, STANCE_WEIGHTS, SWING_WEIGHTS
 from retarget.targets import Targets
 from ros_free_stack.errors import MissingDependency
@@ -29,6 +33,33 @@ GMR_PELVIS: Final = 100.0
 """Cost of the pelvis' position; the others in the proportions of the frame solver's."""
 GMR_LIMBS: Final = 0.1
 """Share of their cost that limbs have in the first table."""
+
+
+class Reach:
+    """A limit for mink: the frame solver's bounds of a frame's step (nv,), for the shorter steps that make it up."""
+
+    def __init__(self, constraint: Any, geometry: RobotGeometry, fps: float) -> None:
+        """`constraint` is mink's class of G and h."""
+        size = geometry.model.nv
+        symbols = [ca.SX.sym(name, size, columns) for name, columns in (("position", 1), ("last", 1), ("table", 4))]
+        function = ca.Function("reach", symbols, reach(*symbols), ["position", "last", "table"], ["low", "high"])
+        self._function, self._constraint, self._geometry = BufferedFunction(function), constraint, geometry
+        self._function.inputs["table"][:] = JointBounds.tangent(geometry, fps).table
+        self._rows = np.vstack([np.eye(size), -np.eye(size)])
+        self.done = np.zeros(size)
+
+    def begin(self, qpos: Floats) -> None:
+        """Begin a frame at (nq,) after the one that is done."""
+        inputs, geometry = self._function.inputs, self._geometry
+        inputs["last"][:, 0], inputs["position"][geometry.dof_index, 0] = self.done, qpos[geometry.qpos_index]
+        self._function()
+        self.done = np.zeros_like(self.done)
+
+    def compute_qp_inequalities(self, configuration: Any, dt: float) -> Any:
+        """What is left of the frame's bounds."""
+        del configuration, dt
+        low, high = (self._function.outputs[name][:, 0] for name in ("low", "high"))
+        return self._constraint(G=self._rows, h=np.hstack([high - self.done, self.done - low]))
 
 
 class Mink:
@@ -109,6 +140,13 @@ class Mink:
 
     def equalities(self, targets: Targets, first: Floats) -> tuple[Floats, Floats]:
         """Three steps a frame, with speed limits; feet that stand are held where they touched down."""
+        return self._held(targets, first, None)
+
+    def bounded(self, targets: Targets, first: Floats) -> tuple[Floats, Floats]:
+        """The same within the frame solver's bounds."""
+        return self._held(targets, first, Reach(self.mink.Constraint, self.geometry, targets.fps))
+
+    def _held(self, targets: Targets, first: Floats, bounds: Reach | None) -> tuple[Floats, Floats]:
         solve, missing = self.mink.solve_ik, self.mink.NoSolutionFound
         configuration = self.mink.Configuration(self.model, first)
         qpos, seconds = np.zeros((len(targets), self.model.nq)), np.zeros(len(targets))
@@ -116,17 +154,22 @@ class Mink:
         for k in range(len(targets)):
             started = thread_time()
             self.aim(targets, k)
+            if bounds is not None:
+                bounds.begin(configuration.q)
             held = targets.contacts[k] & targets.contacts[k - 1] if k else np.zeros(len(self.holds), dtype=bool)
             soles = [(self.stances if stands else self.swings)[i] for i, stands in enumerate(targets.contacts[k])]
             constraints = [self.holds[i] for i in np.flatnonzero(held)]
+            limits = [self.ranges, self.speeds] if bounds is None else [bounds]
             for _ in range(STEPS):
-                options: dict[str, Any] = {"limits": [self.ranges, self.speeds], "constraints": constraints}
+                options: dict[str, Any] = {"limits": limits, "constraints": constraints}
                 try:
                     velocity = solve(configuration, [*self.tasks, *soles], pause, "daqp", DAMPING, **options)
                 except missing:
                     options["constraints"] = []
                     velocity = solve(configuration, [*self.tasks, *soles], pause, "daqp", DAMPING, **options)
                 configuration.integrate_inplace(velocity, pause)
+                if bounds is not None:
+                    bounds.done += velocity * pause
             for i in np.flatnonzero(targets.contacts[k] & ~held):
                 task = self.holds[i]
                 task.set_target(configuration.get_transform_frame_to_world(task.frame_name, "site"))

@@ -203,7 +203,8 @@ def compare(robot: str, arguments: Arguments) -> None:
     geometry = measure(load_robot(robot))
     solver, mink = FrameSolver(geometry), Mink(geometry)
     followers: dict[str, Follower] = {
-        "this": own(solver), "mink, limits and equalities": mink.equalities, "mink, GMR loop": mink.loop
+        "this": own(solver), "mink, limits and equalities": mink.equalities,
+        "mink, this solver's limits": mink.bounded, "mink, GMR loop": mink.loop,
     }  # fmt: skip
     found: dict[str, list[Quality]] = {name: [] for name in followers}
     times: dict[str, list[float]] = {name: [] for name in followers}

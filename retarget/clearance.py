@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from retarget.collision import Collision, capsule_pairs, proximity
+from retarget.collision import Collision, proximity
 from retarget.compiled import compiled
 from retarget.frame_batch import BatchFunction
 from retarget.geometry import RobotGeometry
@@ -35,23 +35,18 @@ class Clearance:
 
     def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
         """Compile the distances of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
-        self._first, self._second, self._limbs = capsule_pairs(geometry)
         function = proximity(geometry)
         self._function = BatchFunction(compiled(function) if machine_code else function)
-        self._margins = Collision(geometry, machine_code=machine_code).margins
+        self._step = np.zeros((1, geometry.model.nv))
+        self._margins = Collision(geometry, machine_code=machine_code).margins[None]
         self._near = NEAR * geometry.limb_length
-        self._counts = np.diff(np.append(self._limbs, len(self._first)))
 
     def __call__(self, qpos: Floats) -> Clearances:
         """Clearances of (N, nq) configurations."""
-        found = self._function({"qpos": qpos[:, None]})
-        distance = found["distances"][:, 0]
-        nearest = np.minimum.reduceat(distance, self._limbs, axis=1) if len(self._limbs) else distance
-        frame, pair = np.nonzero((distance < self._near) & (distance == np.repeat(nearest, self._counts, axis=1)))
-        distance = distance[frame, pair]
-        room = np.maximum(distance - self._margins[pair], 0.0) + np.minimum(distance, 0.0)
-        lines = found["lines"][frame, pair]
-        velocities = found["jacobians"].reshape(len(qpos), -1, 6, found["jacobians"].shape[2])
-        between = velocities[frame, self._first[pair]] - velocities[frame, self._second[pair]]
-        # A pair parts at the speed of its line against its first limb less that against its second.
-        return Clearances(frame, room, np.einsum("ri,rij->rj", lines, between))
+        inputs = {"step": self._step, "margins": self._margins}
+        every = {name: np.broadcast_to(values, (len(qpos), *values.shape)) for name, values in inputs.items()}
+        found = self._function({"qpos": qpos[:, None], **every})
+        distance, left = found["nearest"][:, 0], found["left"][:, 0]
+        near = distance < self._near
+        room = np.maximum(left[near], 0.0) + np.minimum(distance[near], 0.0)
+        return Clearances(np.nonzero(near)[0], room, found["rows"][near])

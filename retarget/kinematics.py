@@ -46,6 +46,7 @@ class Kinematics:
         self._positions: list[ca.SX] = [ca.SX(3, 1)]
         self._rotations: list[ca.SX] = [ca.SX.eye(3)]
         self._motions: list[tuple[_Motion, ...]] = [()]
+        self._twists: dict[int, ca.SX] = {}
         for body in range(1, model.nbody):
             self._place(body)
 
@@ -67,6 +68,16 @@ class Kinematics:
     def rotation_jacobian(self, body: int) -> ca.SX:
         """(3, nv) angular velocity of a body in the world frame."""
         return self._jacobian((motion, motion.axis) for motion in self._motions[body] if motion.origin is not None)
+
+    def twist_jacobian(self, body: int) -> ca.SX:
+        """(6, nv) velocity at the world's origin, above the angular velocity, of a body.
+
+        What moves two bodies alike has the same nodes in both, and so no part in their difference.
+        """
+        jacobian = ca.SX(6, self.model.nv)
+        for motion in self._motions[body]:
+            jacobian[:, motion.dof] += motion.rate * self._twists.setdefault(id(motion), _twist(motion))
+        return jacobian
 
     def centre_of_mass(self) -> tuple[ca.SX, ca.SX]:
         """(3,) centre of mass of the whole model and its Jacobian (3, nv), from subtree masses and centres."""
@@ -139,6 +150,12 @@ class Kinematics:
             return ca.SX(coupling.coefficients[0]), None, 0.0
         x, source, rate = self._value(coupling.source)
         return _polynomial(coupling, x), source, rate * _slope(coupling, x)
+
+
+def _twist(motion: _Motion) -> ca.SX:
+    if motion.origin is None:
+        return ca.vertcat(motion.axis, ca.SX(3, 1))
+    return ca.vertcat(ca.cross(motion.origin, motion.axis), motion.axis)
 
 
 def quaternion_matrix(quaternion: ca.SX) -> ca.SX:

@@ -35,6 +35,10 @@ NEAREST = 12
 UNBOUNDED = 1e30
 
 
+POSE, CORNERS = 6, 4
+"""Rows of a foot: its pose where it is held; of a foot in the air its corners take the place of the first four."""
+
+
 class _Residuals:
     """Weighted residuals and their Jacobians."""
 
@@ -49,7 +53,9 @@ class _Residuals:
     def terms(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """J'J (nv, nv), J'r (nv,) and r'r."""
         error, jacobian = ca.vertcat(*self._errors), ca.vertcat(*self._jacobians)
-        return jacobian.T @ jacobian, jacobian.T @ error, ca.dot(error, error)
+        hessian = jacobian.T @ jacobian
+        # The lower half is the upper one: half of the products.
+        return ca.triu2symm(ca.triu(hessian)), jacobian.T @ error, ca.dot(error, error)
 
 
 @dataclass
@@ -63,8 +69,9 @@ class _Rows:
     soles: list[ca.SX]
 
 
-def frame_problem(geometry: RobotGeometry) -> ca.Function:
-    """Build the function of one frame, with P points, K body frames, F feet and tangent dimension nv.
+@dataclass(frozen=True)
+class FrameFunctions:
+    """Two functions of one frame with the same inputs, for P points, K body frames, F feet, tangent dimension nv.
 
     Inputs: `start` (nq) configuration and `step` (nv) from it; `limits` (nv, 4: `JointBounds.table`) and `last` (nv)
     the last frame's step; `points` (3, P), `rotations` (9, K, row-major), `soles` (3, F), `sole_rotations` (9, F) and
@@ -72,12 +79,21 @@ def frame_problem(geometry: RobotGeometry) -> ca.Function:
     position, rotation); `com_weight` (1) of the residual; `posture` (1) pull toward the standing pose; `apart_rows`
     (nv, NEAREST) and `apart` (NEAREST) least changes of distances between limbs since the start.
 
-    Outputs: `qpos` (nq) after the step; `low`, `high` (nv) bounds of the step; the program's `hessian` (nv, nv),
-    `gradient` (nv), `rows` (nv, 10F: six of a foot's pose and four of its corners) and bounds `lower`, `upper`
-    (nv + 10F + NEAREST); `cost` (1) of the residuals; `point_error` (P) m; `feet` (4, F): distance to the target in m
-    and rad, height of the corner farthest from the floor in m, cosine of the tilt; `sole` (12, F: position, rotation);
-    `centre_of_mass` (3).
+    Attributes:
+        program: the quadratic program after the step: `low`, `high` (nv) bounds of the step; `hessian` (nv, nv),
+            `gradient` (nv), `rows` (nv, POSE F) of the feet, and bounds `lower`, `upper` (nv + POSE F + NEAREST) of the
+            increment, of the feet and of the limbs.
+        state: what is reached after the step: `qpos` (nq); `cost` (1) of the residuals; `point_error` (P) m; `feet`
+            (4, F): distance to the target in m and rad, height of the corner farthest from the floor in m, cosine of
+            the tilt; `sole` (12, F: position, rotation); `centre_of_mass` (3).
     """
+
+    program: ca.Function
+    state: ca.Function
+
+
+def frame_functions(geometry: RobotGeometry) -> FrameFunctions:
+    """Build the functions of one frame."""
     model, feet = geometry.model, len(geometry.feet)
     kinematics, residuals = Kinematics(model), _Residuals()
     shapes = {
@@ -96,7 +112,7 @@ def frame_problem(geometry: RobotGeometry) -> ca.Function:
     hessian, gradient, cost = residuals.terms()
     own_hessian, own_gradient = _regularisation(geometry, kinematics.qpos, inputs)
     apart = inputs["apart"] - inputs["apart_rows"].T @ inputs["step"]
-    outputs = {
+    program = {
         "low": low,
         "high": high,
         "hessian": hessian + own_hessian,
@@ -104,16 +120,27 @@ def frame_problem(geometry: RobotGeometry) -> ca.Function:
         "rows": ca.vertcat(ca.SX(0, model.nv), *feet_rows.jacobian).T,
         "lower": ca.vertcat(low - inputs["step"], *feet_rows.lower, apart),
         "upper": ca.vertcat(high - inputs["step"], *feet_rows.upper, ca.SX.ones(NEAREST) * UNBOUNDED),
+    }
+    state = {
+        "qpos": kinematics.qpos,
         "cost": cost,
         "point_error": ca.vertcat(*distances),
         "feet": ca.horzcat(ca.SX(4, 0), *feet_rows.states),
         "sole": ca.horzcat(ca.SX(12, 0), *feet_rows.soles),
         "centre_of_mass": com,
     }
-    here = ca.Function("here", [kinematics.qpos, *inputs.values()], list(outputs.values()))
-    qpos = stepped(inputs["start"], inputs["step"])
-    results = [ca.densify(value) for value in (qpos, *here.call([qpos, *inputs.values()]))]
-    return ca.Function("frame", list(inputs.values()), results, list(inputs), ["qpos", *outputs])
+    return FrameFunctions(
+        _after_step("frame_program", kinematics.qpos, inputs, program),
+        _after_step("frame_state", kinematics.qpos, inputs, state),
+    )
+
+
+def _after_step(name: str, qpos: ca.SX, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
+    """The function of expressions in `qpos` at the configuration after the step."""
+    here = ca.Function("here", [qpos, *inputs.values()], list(outputs.values()))
+    results = here.call([stepped(inputs["start"], inputs["step"]), *inputs.values()])
+    dense = [ca.densify(value) for value in results]
+    return ca.Function(name, list(inputs.values()), dense, list(inputs), list(outputs))
 
 
 def _follow(
@@ -148,10 +175,12 @@ def _feet(geometry: RobotGeometry, kinematics: Kinematics, inputs: dict[str, ca.
             residuals.add(weight, errors[k], jacobians[k])
         corners = [kinematics.position(foot.body, corner) for corner in foot.corners]
         heights = ca.vertcat(*[corner[2] for corner in corners])
-        rows.jacobian += [*jacobians, *[kinematics.position_jacobian(foot.body, corner)[2, :] for corner in corners]]
-        error, loose = ca.vertcat(*errors), UNBOUNDED * (1 - held)
-        rows.lower += [-error - loose, -heights - UNBOUNDED * held]
-        rows.upper += [-error + loose, ca.SX.ones(4) * UNBOUNDED]
+        error, pose, loose = ca.vertcat(*errors), ca.vertcat(*jacobians), UNBOUNDED * (1 - held)
+        clear = ca.vertcat(*[kinematics.position_jacobian(foot.body, corner)[2, :] for corner in corners])
+        rows.jacobian += [ca.if_else(held, ca.densify(pose[:CORNERS, :]), ca.densify(clear)), pose[CORNERS:, :]]
+        first, last = -error[:CORNERS], -error[CORNERS:]
+        rows.lower += [ca.if_else(held, first, -heights), last - loose]
+        rows.upper += [ca.if_else(held, first, UNBOUNDED), last + loose]
         upright = ca.dot(turn[2, :], ca.DM(foot.reference[2, :]).T)
         rows.states.append(ca.vertcat(*[ca.norm_2(e) for e in errors], ca.mmax(ca.fabs(heights)), upright))
         rows.soles.append(ca.vertcat(sole, ca.vec(turn.T)))

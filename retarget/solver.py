@@ -19,7 +19,7 @@ from retarget.collision import Collision
 from retarget.compiled import BufferedFunction, compiled
 from retarget.geometry import RobotGeometry
 from retarget.limits import JointBounds
-from retarget.problem import COM_WEIGHT, NEAREST, UNBOUNDED, frame_problem
+from retarget.problem import COM_WEIGHT, NEAREST, POSE, UNBOUNDED, frame_functions
 from retarget.targets import Goal, Targets
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.messages import Bools, Floats
@@ -33,8 +33,9 @@ APPROACH_STEPS = 12
 """Steps from the standing pose to the first frame's."""
 TRUST, AT_ONCE = 0.3, 1e3
 """Largest increment of one iteration for the first frame, m and rad, and its change: nothing brakes there."""
-CONVERGED = 1e-3
-"""Increment, m and rad, after which a frame needs no further iteration."""
+CONVERGED, FOLLOWED = 1e-3, 1e-2
+"""Norms of the increment, m and rad, after which the first frame, and a later one, need no further iteration: what an
+increment leaves is of second order."""
 
 POSTURE, STANDING_POSTURE = 2e-2, 2.0
 """Pull of the joints toward the standing pose while following (it holds what no target moves and prefers the nearer of
@@ -79,28 +80,42 @@ class FrameSolver:
         planted: (F,) the feet that it holds.
         released: (F,) standing feet that it could not keep where they were planted.
         last: (nv,) the last step.
+        bounds: (nv,) and (nv,) least and largest last step; the next one overwrites them.
     """
 
     def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
         """Build and compile the problem of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
         started = perf_counter()
         self.geometry = geometry
-        function = frame_problem(geometry)
-        self._function = BufferedFunction(compiled(function) if machine_code else function)
+        functions = frame_functions(geometry)
+        self._frame, self._state = (
+            BufferedFunction(compiled(function) if machine_code else function)
+            for function in (functions.program, functions.state)
+        )
         self._collision = Collision(geometry, machine_code=machine_code)
         self._couplings = joint_couplings(geometry.model)
         feet, nv = len(geometry.feet), geometry.model.nv
         # DAQP's rows: those that the function writes, then those of the limbs.
-        self._rows = np.zeros((10 * feet + NEAREST, nv))
-        self._function.write_to("rows", self._rows[: 10 * feet])
-        self._function.read_from("apart_rows", self._rows[10 * feet :])
+        self._rows = np.zeros((POSE * feet + NEAREST, nv))
+        self._frame.write_to("rows", self._rows[: POSE * feet])
+        self._frame.read_from("apart_rows", self._rows[POSE * feet :])
+        for name, memory in self._frame.inputs.items():
+            self._state.read_from(name, memory.T)
+        outputs = self._frame.outputs
+        bounds = (outputs["upper"][:, 0], outputs["lower"][:, 0])
+        self._data = (outputs["hessian"].T, outputs["gradient"][:, 0], self._rows, *bounds)
         self._sense = np.full(nv + len(self._rows), _SOFT, dtype=np.int32)
         self._sense[:nv] = 0
-        softness = np.repeat([FLOOR_SOFTNESS, LIMB_SOFTNESS], [nv + 10 * feet, NEAREST])
-        softness[nv : nv + 10 * feet].reshape(-1, 10)[:, :6] = FOOT_SOFTNESS
-        self._softness = softness
+        self._softness = np.full(len(self._sense), LIMB_SOFTNESS)
+        self._start, self._step, self._last, self._apart = (
+            self._frame.inputs[name][:, 0] for name in ("start", "step", "last", "apart")
+        )
+        self._apart_rows = self._rows[POSE * feet :]
+        aimed = ("points", "rotations", "soles", "sole_rotations")
+        self._aimed = [self._frame.inputs[name].T for name in aimed]
         self._program = daqp.Model()
         self._ready, self._changed = False, True
+        self.bounds = outputs["low"][:, 0], outputs["high"][:, 0]
         self.qpos = geometry.standing
         self.planted, self.released = np.zeros(feet, dtype=bool), np.zeros(feet, dtype=bool)
         self.last = np.zeros(nv)
@@ -121,7 +136,7 @@ class FrameSolver:
         """Forget what was, find the first configuration from several starts, and rest there.
 
         Returns:
-            Outputs of `retarget.problem.frame_problem` at the configuration; the next call overwrites them.
+            What `retarget.problem.FrameFunctions.state` tells of the configuration; the next call overwrites them.
         """
         self.last[:], self._fps, self._ready = 0.0, None, False
         self._hold(np.zeros_like(self.planted))
@@ -132,37 +147,37 @@ class FrameSolver:
 
     def step(self, goal: Goal, fps: float) -> dict[str, np.ndarray]:
         """Go on to the next frame, 1 / `fps` s after the last one; returns what `start` does."""
-        inputs, outputs = self._function.inputs, self._function.outputs
         if fps != self._fps:
             self.last *= (self._fps or fps) / fps
-            inputs["limits"][:], self._fps = JointBounds.tangent(self.geometry, fps).table, fps
+            self._frame.inputs["limits"][:], self._fps = JointBounds.tangent(self.geometry, fps).table, fps
         if (self.planted & ~goal.contacts).any():
             self._hold(self.planted & goal.contacts)
         self._aim(goal)
         self._begin()
         self._keep_apart(1 / fps)
         # The last step is a guess of this one.
-        step, low, high = inputs["step"][:, 0], outputs["low"][:, 0], outputs["high"][:, 0]
+        step, (low, high) = self._step, self.bounds
         step[:] = self.last
         for _ in range(ITERATIONS):
             increment = self._increment()
             step += increment
-            _limit(step, low, high)
-            if np.abs(increment).max() < CONVERGED:
+            # Several times faster than `numpy.clip` on few numbers.
+            np.minimum(np.maximum(step, low, out=step), high, out=step)
+            if increment @ increment < FOLLOWED**2:
                 break
         return self._end(goal)
 
     @property
     def limited(self) -> Bools:
         """(J,) joints at a limit of range, speed or acceleration in the last frame."""
-        outputs, dofs = self._function.outputs, self.geometry.dof_index
+        dofs, (low, high) = self.geometry.dof_index, self.bounds
         if self._fps is None:
             return np.zeros(len(dofs), dtype=bool)
-        return at_limit(outputs["low"][dofs, 0], self.last[dofs], outputs["high"][dofs, 0])
+        return at_limit(low[dofs], self.last[dofs], high[dofs])
 
     def _first(self, goal: Goal) -> Floats:
         """The best of several starts for the first frame: approached from the standing pose, and seeded draws."""
-        geometry, inputs, outputs = self.geometry, self._function.inputs, self._function.outputs
+        geometry, inputs = self.geometry, self._frame.inputs
         index, robot = geometry.qpos_index, geometry.robot
         bounds = JointBounds.tangent(geometry, 1.0)
         free = np.where(bounds.step > 0, 1.0, 0.0)
@@ -176,7 +191,7 @@ class FrameSolver:
                 self.qpos[index] = np.clip(draw, robot.lower, robot.upper)
             self._settle(FIRST_ITERATIONS)
             away = self.qpos[index] - geometry.standing[index]
-            cost = outputs["cost"].item() + inputs["posture"].item() * float(away @ away)
+            cost = self._state.outputs["cost"].item() + inputs["posture"].item() * float(away @ away)
             if cost < CLEARLY_BETTER * lowest:
                 best, lowest = self.qpos, cost
         settle(geometry.model, self._couplings, best)
@@ -188,7 +203,7 @@ class FrameSolver:
         A robot that has followed the person from a rest is in this branch, wherever a clip is cut.
         """
         self.qpos = self._placed(goal)
-        points = self._function.inputs["points"].T
+        points = self._frame.inputs["points"].T
         root = goal.points[self.geometry.followed.index("pelvis")]
         turn = goal.rotations[0] @ self.geometry.references["pelvis"].T
         own = np.stack([self.geometry.points[name] for name in self.geometry.followed])
@@ -200,14 +215,13 @@ class FrameSolver:
 
     def _settle(self, iterations: int) -> None:
         """Iterate from the last configuration, with no limits but range, until it stays."""
-        inputs, outputs = self._function.inputs, self._function.outputs
         for _ in range(iterations):
             self._begin()
             self._keep_apart(np.inf)
             step = self._increment()
-            inputs["step"][:, 0] = np.clip(step, outputs["low"][:, 0], outputs["high"][:, 0])
-            self.qpos = self._function()["qpos"][:, 0].copy()
-            if np.abs(step).max() < CONVERGED:
+            self._step[:] = np.clip(step, *self.bounds)
+            self.qpos = self._state()["qpos"][:, 0].copy()
+            if step @ step < CONVERGED**2:
                 break
 
     def _placed(self, goal: Goal) -> Floats:
@@ -221,11 +235,10 @@ class FrameSolver:
         return qpos
 
     def _aim(self, goal: Goal) -> None:
-        inputs = self._function.inputs
-        inputs["points"].T[:] = goal.points
-        inputs["rotations"].T[:] = goal.rotations.reshape(-1, 9)
-        inputs["soles"].T[:] = goal.soles
-        inputs["sole_rotations"].T[:] = goal.sole_rotations.reshape(-1, 9)
+        inputs = self._frame.inputs
+        points, rotations, soles, sole_rotations = self._aimed
+        points[:], soles[:] = goal.points, goal.soles
+        rotations[:], sole_rotations[:] = goal.rotations.reshape(-1, 9), goal.sole_rotations.reshape(-1, 9)
         inputs["contact"][:, 0] = goal.contacts
         inputs["posture"][:] = POSTURE + (1 - goal.following) * (STANDING_POSTURE - POSTURE)
         inputs["com_weight"][:] = 0.0
@@ -236,25 +249,25 @@ class FrameSolver:
     def _hold(self, planted: Bools) -> None:
         """Hold these feet (F,) from now on, at their anchors."""
         self.planted, self._changed, nv = planted, True, self.geometry.model.nv
-        self._function.inputs["held"][:, 0] = planted
-        feet = self._sense[nv : nv + 10 * len(planted)].reshape(-1, 10)
-        feet[:, :6] = np.where(planted[:, None], _SOFT + _EQUALITY, _SOFT)
+        self._frame.inputs["held"][:, 0] = planted
+        feet = slice(nv, nv + POSE * len(planted))
+        self._sense[feet] = np.repeat(np.where(planted, _SOFT + _EQUALITY, _SOFT), POSE)
+        self._softness[feet] = np.repeat(np.where(planted, FOOT_SOFTNESS, FLOOR_SOFTNESS), POSE)
 
     def _begin(self) -> None:
         """Begin a frame at the last configuration."""
-        inputs = self._function.inputs
-        inputs["start"][:, 0], inputs["step"][:], inputs["last"][:, 0] = self.qpos, 0.0, self.last
+        self._start[:], self._step[:], self._last[:] = self.qpos, 0.0, self.last
 
     def _keep_apart(self, frame_s: float) -> None:
-        inputs, approach = self._function.inputs, self._collision.approach(self.qpos, frame_s, NEAREST, self.last)
+        approach = self._collision.approach(self.qpos, frame_s, NEAREST, self.last)
         count = len(approach.least)
-        inputs["apart_rows"][:, :count] = approach.jacobian.T
-        inputs["apart"][:count, 0], inputs["apart"][count:] = approach.least, -UNBOUNDED
+        self._apart_rows[:count], self._apart[:count] = approach.jacobian, approach.least
+        self._apart[count:] = -UNBOUNDED
 
     def _end(self, goal: Goal) -> dict[str, np.ndarray]:
         """Keep the configuration after the step, and decide which feet the next frame holds."""
-        outputs = self._function()
-        self.last = self._function.inputs["step"][:, 0].copy()
+        outputs = self._state()
+        self.last = self._step.copy()
         self.qpos = outputs["qpos"][:, 0].copy()
         settle(self.geometry.model, self._couplings, self.qpos)
         planted, released = [], []
@@ -266,7 +279,7 @@ class FrameSolver:
                 lies = height < PLANTED_M and upright > np.cos(PLANTED_RAD)
                 settled = lies and not near and self._stood[i] >= SETTLED_S * (self._fps or np.inf)
                 place = np.concatenate([goal.soles[i], goal.sole_rotations[i].ravel()])
-                self._function.inputs["anchors"][:, i] = outputs["sole"][:, i] if settled else place
+                self._frame.inputs["anchors"][:, i] = outputs["sole"][:, i] if settled else place
                 near = near or settled
             planted.append(stands and near)
         self.released = np.array(released, dtype=bool)
@@ -276,18 +289,17 @@ class FrameSolver:
 
     def _increment(self) -> Floats:
         """Solve one quadratic program: increment (nv,) of the step."""
-        out = self._function()
-        upper, lower = out["upper"][:, 0], out["lower"][:, 0]
-        data = (out["hessian"].T, out["gradient"][:, 0], self._rows, upper, lower)
+        self._frame()
         if not self._ready:
             self._program = daqp.Model()
-            self._program.setup(*data, self._sense)
-            self._program.soft_weights(rho_l=self._softness, rho_u=self._softness)
+            self._program.setup(*self._data, self._sense)
         elif self._changed:
-            self._program.update(*data, self._sense)
+            self._program.update(*self._data, self._sense)
         else:
             # Without the rows' kinds DAQP goes on from its last active set.
-            self._program.update(*data)
+            self._program.update(*self._data)
+        if self._changed or not self._ready:
+            self._program.soft_weights(rho_l=self._softness, rho_u=self._softness)
         self._ready, self._changed = True, False
         return self._program.solve()[0]
 
@@ -295,11 +307,6 @@ class FrameSolver:
 def at_limit(low: Floats, step: Floats, high: Floats) -> Bools:
     """Whether steps are at one of their bounds."""
     return (step <= low + 1e-9) | (step >= high - 1e-9)
-
-
-def _limit(step: Floats, low: Floats, high: Floats) -> None:
-    """Clip in place; several times faster than `numpy.clip` on few numbers."""
-    np.minimum(np.maximum(step, low, out=step), high, out=step)
 
 
 class _History:
@@ -316,7 +323,8 @@ class _History:
 
     def record(self, k: int, solver: FrameSolver, outputs: dict[str, np.ndarray]) -> None:
         self._qpos[k], self._released[k] = solver.qpos, solver.released
-        self._steps[k] = outputs["low"][:, 0], solver.last, outputs["high"][:, 0]
+        low, high = solver.bounds
+        self._steps[k] = low, solver.last, high
         self._point_error[k] = outputs["point_error"][:, 0]
         self._soles[k] = outputs["sole"][:3].T
         self._centre_of_mass[k] = outputs["centre_of_mass"][:, 0]

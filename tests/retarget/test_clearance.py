@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from retarget.clearance import NEAR, Clearance
-from retarget.collision import Collision, capsule_pairs
+from retarget.collision import Collision, capsule_limbs
 from retarget.differences import moved
 from retarget.geometry import measure
 from ros_free_stack.robots import load_robot
@@ -27,8 +27,9 @@ def test_distances_of_all_frames_and_their_derivatives(geometry):
         here = found.frame == k
         distances = collision.distances(qpos[k])
         rates = (collision.distances(ahead[k]) - collision.distances(behind[k])) / (2 * STEP)
-        each = np.split(np.arange(len(distances)), capsule_pairs(geometry)[2][1:])
-        nearest = np.array([pairs[distances[pairs].argmin()] for pairs in each])
+        left, limbs = distances - collision.margins, capsule_limbs(geometry)
+        each = [np.flatnonzero(limbs == limb) for limb in range(limbs[-1] + 1)]
+        nearest = np.array([pairs[left[pairs].argmin()] for pairs in each])
         near = nearest[distances[nearest] < NEAR * geometry.limb_length]
         assert here.sum() == len(near)
         room = [

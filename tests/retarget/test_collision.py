@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import minimize
 
-from retarget.collision import APPROACH_RATE, NEAR_M, Collision, nearest_points
+from retarget.collision import APPROACH_RATE, Collision, capsule_limbs, nearest_points
 from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
 from retarget.geometry import measure
 from retarget.pipeline import retarget
@@ -95,15 +95,21 @@ def test_nearest_points_are_no_farther_than_any_others(ends):
         assert np.linalg.norm(point - start) + np.linalg.norm(end - point) == pytest.approx(length, abs=1e-9)
 
 
+def nearest(geometry, left: np.ndarray) -> np.ndarray:
+    """The pair of capsules that is nearest of each two limbs."""
+    limbs = capsule_limbs(geometry)
+    return np.array([min(np.flatnonzero(limbs == limb), key=lambda pair: left[pair]) for limb in range(limbs[-1] + 1)])
+
+
 def test_jacobian_is_the_derivative_of_the_distances(robot, collision):
     geometry = measure(robot)
     model, rng = geometry.model, np.random.default_rng(0)
     qpos = geometry.standing.copy()
     qpos[geometry.qpos_index] = rng.uniform(robot.lower, robot.upper) / 2
-    before = collision.distances(qpos)
-    approach = collision.approach(qpos, np.inf)
-    near = before - collision.margins < NEAR_M
-    assert near.sum() >= 5
+    before, still = collision.distances(qpos), np.zeros(model.nv)
+    near = nearest(geometry, before - collision.margins)
+    approach = collision.approach(qpos, np.inf, len(near), still)
+    assert len(near) >= 5
     for dof in range(model.nv):
         velocity = np.zeros(model.nv)
         velocity[dof] = 1e-6
@@ -119,32 +125,32 @@ def test_standing_pose_keeps_its_margins(robot, collision):
 
 
 def test_limbs_approach_by_a_share_of_the_distance_left(robot, collision):
-    standing = measure(robot).standing
+    geometry = measure(robot)
+    standing, still = geometry.standing, np.zeros(geometry.model.nv)
     left = collision.distances(standing) - collision.margins
-    left = left[left < NEAR_M]
-    np.testing.assert_allclose(collision.approach(standing, np.inf).least, -left)
-    least = collision.approach(standing, 0.02).least
+    left = left[nearest(geometry, left)]
+    np.testing.assert_allclose(collision.approach(standing, np.inf, len(left), still).least, -left)
+    least = collision.approach(standing, 0.02, len(left), still).least
     assert np.all(least <= 0)
     np.testing.assert_allclose(least, -(1 - np.exp(-APPROACH_RATE * 0.02)) * left)
 
 
 def test_takes_the_nearest_pair_of_each_two_limbs(robot, collision):
-    standing, capsules = measure(robot).standing, robot.capsules
-    left = collision.distances(standing) - collision.margins
-    ends = np.cumsum([len(capsules[a]) * len(capsules[b]) for a, b in robot.collision_pairs])
-    nearest = np.sort([part.min() for part in np.split(left, ends[:-1])])
-    approach = collision.approach(standing, np.inf, 5)
-    np.testing.assert_allclose(np.sort(-approach.least), nearest[:5])
+    geometry = measure(robot)
+    left = collision.distances(geometry.standing) - collision.margins
+    approach = collision.approach(geometry.standing, np.inf, 5, np.zeros(geometry.model.nv))
+    np.testing.assert_allclose(np.sort(-approach.least), np.sort(left[nearest(geometry, left)])[:5])
 
 
 def test_limbs_that_are_about_to_meet_come_first(robot, collision):
     geometry = measure(robot)
     standing = geometry.standing
     left = collision.distances(standing) - collision.margins
-    every = collision.approach(standing, 0.02)
-    pair = int(np.argmax(-every.least))
-    step = -every.jacobian[pair] / (every.jacobian[pair] @ every.jacobian[pair]) * left[left < NEAR_M][pair] / 5
-    chosen = (collision.approach(standing, 0.02, 1), collision.approach(standing, 0.02, 1, step))
+    left, still = left[nearest(geometry, left)], np.zeros(geometry.model.nv)
+    every = collision.approach(standing, 0.02, len(left), still)
+    pair = int(np.argmax(np.where(left < 0.08, left, 0.0)))
+    step = -every.jacobian[pair] / (every.jacobian[pair] @ every.jacobian[pair]) * left[pair] / 5
+    chosen = (collision.approach(standing, 0.02, 1, still), collision.approach(standing, 0.02, 1, step))
     assert chosen[0].least.item() == pytest.approx(every.least.max())
     assert chosen[1].jacobian[0] @ step < 0.5 * chosen[0].jacobian[0] @ step - 1e-6
 
