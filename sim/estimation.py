@@ -1,8 +1,11 @@
 """What a controller may know of the robot: the simulation's true state, or what encoders and an IMU tell.
 
 The estimate takes joint angles in whole encoder steps, joint speeds as their differences over a cycle through a
-first-order filter, orientation and turning rate from the IMU with noise, and the root's position and speed by leg
-odometry: the feet that should stand are taken to be where the plan puts them, and still.
+first-order filter, orientation and turning rate from the IMU with noise. The root's position comes by leg odometry: the
+feet that should stand are taken to be where the plan puts them, and still. Its speed is what the IMU's accelerometer
+adds up to, drawn slowly to the speed that leg odometry tells (a complementary filter: Bloesch et al. 2013 fuse the same
+two by a Kalman filter). Leg odometry alone lags by the filter of the joint speeds and takes a foot that rocks on its
+edge for a moving body; a controller that answers a capture point hard then shakes the robot until it falls.
 """
 
 from dataclasses import dataclass
@@ -22,18 +25,23 @@ StateName = Literal["true", "estimated"]
 VELOCITY_CUTOFF_HZ = 12.0
 """Of the low-pass filter of joint speeds."""
 
+BLEND_S = 0.1
+"""Time in which the speed from the accelerometer gives way to that of leg odometry."""
+
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of the sensors' white noise: rad, rad, rad/s.
+    """Standard deviations of the sensors' white noise: rad, rad, rad/s, m/s^2.
 
     The defaults are those of a small IMU with orientation filter (0.1 deg of tilt from sample to sample, 0.3 deg/s of
-    rate) and of encoders whose only error are their steps.
+    rate, 0.15 m/s^2 of acceleration, in which the tilt's share of gravity is) and of encoders whose only error are
+    their steps.
     """
 
     encoder: float = 0.0
     tilt: float = 0.0017
     rate: float = 0.005
+    acceleration: float = 0.15
 
 
 class Estimator(Protocol):
@@ -76,8 +84,9 @@ class EncodersAndImu:
         self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
         self._middles = [np.mean(sole.corners, axis=0) for sole in robot.soles.values()]
         self._share = 1 - np.exp(-2 * np.pi * VELOCITY_CUTOFF_HZ * plan.cycle_s)
+        self._blend = 1 - np.exp(-plan.cycle_s / BLEND_S)
         self._angles: Floats | None = None
-        self._root = np.zeros(3)
+        self._root, self._speed, self._before = np.zeros(3), np.zeros(3), np.zeros(3)
 
     def believe(self, cycle: int, actual: mujoco.MjData) -> mujoco.MjData:
         """See `Estimator`."""
@@ -92,6 +101,8 @@ class EncodersAndImu:
             data.qpos[3:7] = actual.qpos[3:7]
             mujoco.mju_quatIntegrate(data.qpos[3:7], self._rng.normal(0, self._noise.tilt, 3), 1.0)
             data.qvel[3:6] = actual.qvel[3:6] + self._rng.normal(0, self._noise.rate, 3)
+            self._speed += actual.qvel[:3] - self._before + self._rng.normal(0, self._noise.acceleration, 3) * dt
+            self._before = actual.qvel[:3].copy()
             self._walk(cycle)
         self._angles = angles
         return posed(self._model, data)
@@ -112,11 +123,10 @@ class EncodersAndImu:
                 offsets.append(plan.feet[cycle, foot] - point)
                 speeds.append(-jacobian @ data.qvel)
             root = np.mean(offsets, axis=0)
-            data.qvel[:3] = np.mean(speeds, axis=0)
+            self._speed += self._blend * (np.mean(speeds, axis=0) - self._speed)
         else:
-            data.qvel[2] += self._model.opt.gravity[2] * dt
-            root = self._root + data.qvel[:3] * dt
-        self._root = data.qpos[:3] = root
+            root = self._root + self._speed * dt
+        self._root, data.qpos[:3], data.qvel[:3] = root, root, self._speed
 
 
 def posed(model: mujoco.MjModel, data: mujoco.MjData) -> mujoco.MjData:
