@@ -234,7 +234,7 @@ def measure(
         robot=robot.name,
         kind=kind,
         clip=clip,
-        half=place % 2,
+        half=place // 2 % 2,  # neighbours are a motion and its mirror image
         scale=judged.scale,
         checks=reference["checks"] | nominal.get("default", {}).get("checks", {}),
         fell_at_s={name: item["fell_at_s"] for name, item in nominal.items()},

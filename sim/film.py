@@ -27,7 +27,8 @@ class Film:
         planned: (N, nq) what it should do where `qpos` is what it did in physics, or None.
         standing: (N, F) whether each foot should stand.
         force: (N, F) N with which the floor pressed on each foot in physics, or None where nothing was simulated.
-        zmp: (N, 2) m, NaN in flight and for a robot that nothing stands on.
+        zmp: (N, 2) m, in physics where the floor's forces act (their centre of pressure), in a plan where they would
+            have to; NaN in flight and for a robot without soles.
         at_limit: (N, J) whether each joint is at an end of its range, at its speed limit, or its servo out of torque.
         human: (N, 22, 3) m, or None.
         texts: N captions, the segment that is on; "" between segments.
@@ -83,9 +84,12 @@ def make_film(
         out_of_torque = playback.saturated > 0
     frames = np.rint(np.arange(0, len(qpos) - 0.5, trajectory.fps / fps)).astype(int).clip(0, len(qpos) - 1)
     times = frames / trajectory.fps
-    zmp = np.full((len(qpos), 2), np.nan)
-    if robot.soles:
+    if playback is not None:
+        zmp = playback.pressure
+    elif robot.soles:
         zmp = zero_moment_point(kinematic_model(robot), qpos, trajectory.fps)
+    else:
+        zmp = np.full((len(qpos), 2), np.nan)
     ends = (joint_pos < robot.lower + AT_LIMIT) | (joint_pos > robot.upper - AT_LIMIT)
     at_limit = ends | out_of_torque | (np.abs(joint_vel) > (1 - AT_LIMIT) * robot.velocity)
     return Film(

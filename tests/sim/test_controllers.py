@@ -126,6 +126,20 @@ def test_the_estimate_is_near_the_truth(sway):
     assert not np.array_equal(believed.qpos, actual.qpos)
 
 
+def test_the_accelerometer_tells_a_slide_at_once_and_the_legs_overrule_it(sway):
+    """The robot slides off as it stands: legs that do not move say that it rests."""
+    quiet = SensorNoise(tilt=0.0, rate=0.0, acceleration=0.0)
+    robot = sway.reference.robot
+    estimator = EncodersAndImu(sway.model, robot, sway.servos, sway.plan, quiet, np.random.default_rng(0))
+    data = mujoco.MjData(sway.model)
+    data.qpos[:] = sway.plan.qpos[0]
+    estimator.believe(0, data)
+    data.qvel[0] = 0.1
+    speeds = [estimator.believe(cycle, data).qvel[0] for cycle in range(1, 60)]
+    assert speeds[0] == pytest.approx(0.1, abs=0.01)
+    assert abs(speeds[-1]) < 0.005
+
+
 def test_a_late_bus_is_worse_than_a_prompt_one(sway):
     late = Disturbance(np.ones(sway.model.nbody), 1.0, 6, np.zeros(3), 0.5, SensorNoise(), 0)
     planned = sway.reference.trajectory.joint_pos

@@ -138,7 +138,7 @@ PLAYED: dict[str, Callable[[Reference, Playback], dict[str, object]]] = {
     "mpjpe_global": lambda r, p: {"body_pos": moved(p, slice(None), 0.2)},
     "mpjpe_relative": lambda r, p: {"body_pos": moved(p, r.model.body("l_el_link").id, 0.25)},
     "joint_velocity_error": lambda r, p: {"joint_vel": p.joint_vel + 1.5},
-    "torque_peak": lambda r, p: {"needed": p.needed + 1.6 * r.robot.effort},
+    "torque_peak": lambda r, p: {"needed": p.needed + 1.8 * r.robot.effort},
     "torque_saturation": lambda r, p: {"saturated": np.maximum(p.saturated, 0.5)},
     "power_peak": lambda r, p: {"power": p.power + 61.0},
     "servo_heat": lambda r, p: {"heating": p.heating + 46.0},
