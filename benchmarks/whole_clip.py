@@ -5,7 +5,9 @@ python benchmarks/whole_clip.py --dataset data/corpus --cmu cmu_mocap --clips 10
 Jerk is the root mean square of the joints' third differences; error the mean distance of followed points and feet from
 their targets; scrape the speed over the floor of sole corners that are lower than 1 mm in two frames; overlap how deep
 the description's limbs are in each other; excess by how much joints leave their ranges, speeds and accelerations. The
-change is how far points and feet are moved for the balance, on average. Times are of this process alone.
+change is how far points and feet are moved for the balance, on average. Times are of this process alone. Where mink is
+installed (the extra `bench`), it follows the same targets frame by frame, with speed limits and standing feet as
+equalities (`mink_peer.py`).
 """
 
 from collections.abc import Iterator
@@ -18,8 +20,11 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 import tyro
+from mink_peer import Mink
+from online import quality, targets_of
 
 from ros_free_stack.console import progress, say
+from ros_free_stack.errors import MissingDependency
 from ros_free_stack.files import atomic_path, make_folder, write_text
 from ros_free_stack.messages import Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
@@ -124,6 +129,61 @@ def scrape(corners: Floats, fps: float) -> tuple[float, float]:
     return (float(speed.mean()), float(speed.max())) if len(speed) else (0.0, 0.0)
 
 
+def figures(
+    robot: RobotDescription, trajectory: RobotTrajectory, kinematics: Body, error: float, s: float
+) -> list[float]:
+    """The values of `COLUMNS`; `error` in cm, `s` seconds of solving."""
+    joints, fps = trajectory.joint_pos, trajectory.fps
+    mean, most = scrape(kinematics.corners, fps)
+    return [
+        float(np.sqrt((np.diff(joints, n=3, axis=0) ** 2).mean())) * fps**3,
+        error,
+        1000 * mean,
+        100 * most,
+        -1000 * float(kinematics.corners[..., 2].min()),
+        1000 * float(kinematics.depth.max()),
+        excess(robot, trajectory),
+        1000 * s / len(joints),
+    ]
+
+
+class Peer:
+    """mink on the targets of a robot's clips, or nothing where it is not installed."""
+
+    def __init__(self, robot: RobotDescription) -> None:
+        from retarget.geometry import measure
+        from retarget.solver import FrameSolver
+
+        self._robot, self._geometry = robot, measure(robot)
+        self._solver = FrameSolver(self._geometry)
+        try:
+            self._mink = Mink(self._geometry)
+        except MissingDependency as missing:
+            say(f"no rows of mink: {missing}")
+            self._mink = None
+
+    def row(self, motion: HumanMotion, fps: float) -> list[float] | None:
+        """What it makes of a motion."""
+        if self._mink is None:
+            return None
+        targets = targets_of(motion, self._geometry, fps)
+        self._solver.start(targets.goal(0))
+        qpos, seconds = self._mink.equalities(targets, self._solver.qpos)
+        trajectory = RobotTrajectory(
+            robot=self._robot.name,
+            model_sha256=self._robot.sha256,
+            joint_names=self._robot.joint_names,
+            fps=fps,
+            root_pos=qpos[:, :3],
+            root_quat=qpos[:, 3:7] / np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True),
+            joint_pos=qpos[:, self._geometry.qpos_index],
+            contacts=targets.contacts,
+            foot_names=self._robot.foot_names,
+        )
+        error = quality(self._geometry, targets, qpos).error_cm
+        return figures(self._robot, trajectory, body(self._robot, trajectory), error, float(seconds.sum()))
+
+
 def draw(path: Path, title: str, robot: RobotDescription, found: dict[str, tuple[RobotTrajectory, Body]]) -> None:
     """Jerk, the joint that comes nearest to its limits, and the feet, of both solvers."""
     figure, axes = plt.subplots(4, 1, figsize=(10, 10), sharex=True, layout="constrained")
@@ -172,6 +232,7 @@ def main(arguments: Arguments) -> None:
     for name in arguments.robots:
         robot = load_robot(name)
         retargeters = {solver: Retargeter(robot, solver) for solver in SOLVERS}
+        peer = Peer(robot)
         rows: dict[str, list[list[float]]] = {solver: [] for solver in SOLVERS}
         kept: dict[str, list[tuple[bool, bool, float, bool]]] = {solver: [] for solver in SOLVERS}
         for number, (words, motion) in enumerate(progress(clips, name)):
@@ -183,20 +244,8 @@ def main(arguments: Arguments) -> None:
                 balanced = retargeter.retarget(motion)
                 trajectory, kinematics = plain.trajectory, body(robot, plain.trajectory)
                 drawn[solver] = trajectory, kinematics
-                fps, count = trajectory.fps, len(trajectory.joint_pos)
-                mean, most = scrape(kinematics.corners, fps)
-                rows[solver].append(
-                    [
-                        float(np.sqrt((np.diff(trajectory.joint_pos, n=3, axis=0) ** 2).mean())) * fps**3,
-                        float(np.mean([error.mean for error in plain.report.position_error_cm.values()])),
-                        1000 * mean,
-                        100 * most,
-                        -1000 * float(kinematics.corners[..., 2].min()),
-                        1000 * float(kinematics.depth.max()),
-                        excess(robot, trajectory),
-                        1000 * spent / count,
-                    ]
-                )
+                error = float(np.mean([error.mean for error in plain.report.position_error_cm.values()]))
+                rows[solver].append(figures(robot, trajectory, kinematics, error, spent))
                 outside = balanced.report.zmp_outside_cm
                 assert outside is not None
                 moved = np.linalg.norm(body(robot, balanced.trajectory).points - kinematics.points, axis=-1).mean()
@@ -205,11 +254,20 @@ def main(arguments: Arguments) -> None:
                     (outside["before"].max < INSIDE_CM, outside["after"].max < INSIDE_CM, 100 * float(moved), passed)
                 )
                 say(f"{name} {solver:6s} {words[:40]:40s} " + " ".join(f"{value:.3g}" for value in rows[solver][-1]))
+            peers = peer.row(motion, 50.0)
+            if peers is not None:
+                rows.setdefault("mink", []).append(peers)
+                say(f"{name} mink   {words[:40]:40s} " + " ".join(f"{value:.3g}" for value in peers))
             draw(arguments.out / f"{name}-{number:02d}.png", f"{name}: {words}", robot, drawn)
-        for solver in SOLVERS:
-            typical = np.median(rows[solver], axis=0)
-            typical[3:7] = np.max(rows[solver], axis=0)[3:7]
+        for solver, found in rows.items():
+            typical = np.median(found, axis=0)
+            typical[3:7] = np.max(found, axis=0)[3:7]
             lines.append(f"| {name} | {solver} | " + " | ".join(f"{value:.3g}" for value in typical) + " |")
+        jerk, spent = (np.array([[row[k] for row in rows[solver]] for solver in rows]) for k in (0, -1))
+        if "mink" in rows:
+            less, faster = np.median(jerk[2] / jerk[1]), np.median(spent[2] / spent[1])
+            lines.append(f"\n{name}: mink over clip, medians of ratios: jerk {less:.2f}, time {faster:.2f}.\n")
+        for solver in SOLVERS:
             before, after, change, passed = np.array(kept[solver], dtype=float).T
             share = f"{int(passed.sum())}" if arguments.physics else "not played"
             balance.append(

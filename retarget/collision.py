@@ -6,6 +6,7 @@ manipulators with a high number of degrees of freedom": joints of limited accele
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -59,16 +60,19 @@ class Collision:
         self._qpos[:] = qpos
         return self._function()["distances"][:, 0].copy()
 
-    def approach(self, qpos: Floats, frame_s: float, most: int, step: Floats) -> Approach:
+    def approach(self, qpos: Floats, frame_s: float, most: int, step: Floats, free: Sequence[int] = ()) -> Approach:
         """How near limbs may come to each other in a frame of `frame_s` seconds that starts at `qpos` (nq,).
 
         The distance that is left above the margin, or missing, shrinks by at most, or at least, the same share. Of
         each two limbs those capsules count that will be nearest in `AHEAD` more of the last `step` (nv,), and of all
-        limbs the `most` that will be nearest then: hands that are about to meet come before feet side by side.
+        limbs the `most` that will be nearest then: hands that are about to meet come before feet side by side. Pairs of
+        limbs that are `free`, by their indices in the description, may come as near as they will.
         """
         self._qpos[:] = qpos
         np.multiply(step, AHEAD, out=self._step)
         self._function()
+        for pair in free:
+            self._ahead[pair] = self._left[pair] = np.inf
         if len(self._ahead) > most:
             near = self._ahead.argpartition(most - 1)[:most]
             # In order, so that each pair mostly stays in its row, and a solver's active set remains what it was.

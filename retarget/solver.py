@@ -46,7 +46,7 @@ PLANTED_M, PLANTED_RAD = 0.004, 0.03
 SETTLED_S = 0.1
 """A standing foot that has not reached its foothold by then is planted where it is, if it lies on the floor."""
 
-FOOT_SOFTNESS, FLOOR_SOFTNESS, LIMB_SOFTNESS = 1e-7, 1e-6, 1e-7
+FOOT_SOFTNESS, FLOOR_SOFTNESS, LIMB_SOFTNESS = 1e-7, 1e-6, 3e-6
 """Share of a violation that DAQP leaves, in each kind of soft rows."""
 _EQUALITY, _SOFT = 5, 8
 
@@ -94,6 +94,12 @@ class FrameSolver:
         )
         self._collision = Collision(geometry, machine_code=machine_code)
         self._couplings = joint_couplings(geometry.model)
+        bodies = [geometry.model.body(foot.body).name for foot in geometry.feet]
+        self._soles = {
+            pair: [bodies.index(name) for name in names]
+            for pair, names in enumerate(geometry.robot.collision_pairs)
+            if all(name in bodies for name in names)
+        }
         feet, nv = len(geometry.feet), geometry.model.nv
         # DAQP's rows: those that the function writes, then those of the limbs.
         self._rows = np.zeros((POSE * feet + NEAREST, nv))
@@ -259,7 +265,10 @@ class FrameSolver:
         self._start[:], self._step[:], self._last[:] = self.qpos, 0.0, self.last
 
     def _keep_apart(self, frame_s: float) -> None:
-        approach = self._collision.approach(self.qpos, frame_s, NEAREST, self.last)
+        """Limbs apart, but for feet that stand too near each other: rows that contradict the footholds would pull at
+        everything else, with forces beyond what a Gauss-Newton step may leave out."""
+        free = [pair for pair, feet in self._soles.items() if self.planted[feet].all()]
+        approach = self._collision.approach(self.qpos, frame_s, NEAREST, self.last, free)
         count = len(approach.least)
         self._apart_rows[:count], self._apart[:count] = approach.jacobian, approach.least
         self._apart[count:] = -UNBOUNDED
@@ -277,7 +286,9 @@ class FrameSolver:
             released.append(bool(self.planted[i]) and not near)
             if stands and not self.planted[i]:
                 lies = height < PLANTED_M and upright > np.cos(PLANTED_RAD)
-                settled = lies and not near and self._stood[i] >= SETTLED_S * (self._fps or np.inf)
+                # The first frame is solved to its end: what keeps its feet from their footholds would do so later, too.
+                waited = self._fps is None or (not near and self._stood[i] >= SETTLED_S * self._fps)
+                settled = lies and waited
                 place = np.concatenate([goal.soles[i], goal.sole_rotations[i].ravel()])
                 self._frame.inputs["anchors"][:, i] = outputs["sole"][:, i] if settled else place
                 near = near or settled

@@ -85,6 +85,17 @@ def test_the_virtual_machine_gives_the_same(motions):
         np.testing.assert_allclose(compiled.joint_pos, interpreted.joint_pos, atol=1e-6)
 
 
+def test_feet_that_are_too_near_each_other_do_not_shake_the_body(motions):
+    """Footholds that the shins have no room above: limbs and footholds must not pull against each other."""
+    retargeter, joints = RETARGETERS["op3"], np.array(motions["stand"].joints)
+    for side, sign in (("left", -1), ("right", 1)):
+        joints[:, INDEX[f"{side}_foot"], 1] += sign * 0.03
+    frames = stream(retargeter, HumanMotion(joints, 20.0))
+    moved = np.abs(np.diff([frame.joint_pos for frame in frames], axis=0)).max()
+    assert moved < 0.02
+    assert all(frame.contacts.all() for frame in frames)
+
+
 def test_heading_and_place_of_the_person_do_not_matter(retargeter, motions):
     turned = np.array(motions["steps"].joints[:40]) @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
     moved = HumanMotion(turned + np.array([3.0, -2.0, 0.4]), 20.0)

@@ -1,3 +1,4 @@
+import errno
 import json
 
 import numpy as np
@@ -50,3 +51,36 @@ def test_bad_input_is_one_clear_error_and_writes_nothing(tmp_path, motions, opti
     with pytest.raises(error):
         Retarget(**(arguments | paths)).run()
     assert not list(tmp_path.rglob("robot*"))
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda joints: np.where(np.arange(len(joints))[:, None, None] == 7, np.nan, joints), "nan"),
+        (lambda joints: joints[:0], "is empty"),
+        (lambda joints: joints[:, :21], "21"),
+    ],
+)
+def test_damaged_joints_are_named_and_nothing_is_written(tmp_path, motions, damage, words):
+    source = tmp_path / "human.npz"
+    save_motion(source, motions["stand"])
+    with np.load(source) as archive:
+        arrays = dict(archive)
+    np.savez(source, **(arrays | {"joints": damage(arrays["joints"])}))
+    with pytest.raises(InvalidFile, match=rf"human\.npz: .*joints.*{words}"):
+        Retarget(motion=source, out=tmp_path / "robot.npz").run()
+    assert [path.name for path in tmp_path.iterdir()] == ["human.npz"]
+
+
+def test_a_disk_that_is_full_leaves_no_part_of_a_trajectory(tmp_path, motions, monkeypatch):
+    source, out = tmp_path / "human.npz", tmp_path / "robot.npz"
+    save_motion(source, motions["stand"])
+
+    def full(stream, **_arrays):
+        stream.write(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    with pytest.raises(OSError, match="No space left"):
+        Retarget(motion=source, out=out, balance=False, solver="frames").run()
+    assert not out.exists() and not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
