@@ -20,7 +20,7 @@ from ros_free_stack.messages import Bools, Floats
 
 SLACK_PRICE = 1e6
 """The price p: a soft row gives way by micrometres, unless it has to."""
-TOLERANCE, GAP = 1e-5, 1e-1
+TOLERANCE, GAP = 1e-6, 1e-2
 """Largest residuals of the conditions of optimality, and relative duality gap: the next program starts where this one
 ended, so only what is left of the rows counts."""
 UNIT = 0.1
