@@ -4,6 +4,7 @@ A file appears whole or not at all: it is written under a temporary name and ren
 """
 
 import csv
+import errno
 import json
 import os
 import tempfile
@@ -23,13 +24,16 @@ from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment
 FORMAT_VERSION = 1
 CONVENTIONS = "metres, radians, seconds; world z up, x forward; quaternions wxyz"
 
+_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What writing meets where the disk is full or broken; it carries no file name."""
+
 
 @contextmanager
 def atomic_path(path: Path) -> Generator[Path]:
     """A temporary path beside `path` that replaces it when the block ends well and vanishes when it does not.
 
     Raises:
-        InvalidFile: the folder does not exist or cannot be written.
+        InvalidFile: the folder does not exist, cannot be written or is full.
     """
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -43,6 +47,10 @@ def atomic_path(path: Path) -> Generator[Path]:
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
         temporary.replace(path)
+    except OSError as error:
+        if error.errno in _DISK or error.filename == name:
+            raise InvalidFile(path, f"cannot be written: {error.strerror}") from None
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -81,6 +81,6 @@ def test_a_disk_that_is_full_leaves_no_part_of_a_trajectory(tmp_path, motions, m
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(np, "savez_compressed", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(InvalidFile, match=r"robot.*cannot be written: No space left"):
         Retarget(motion=source, out=out, balance=False, solver="frames").run()
     assert not out.exists() and not [path for path in tmp_path.iterdir() if path.name.startswith(".")]

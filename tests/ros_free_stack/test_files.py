@@ -23,6 +23,7 @@ from ros_free_stack.files import (
     save_trajectory,
     save_trajectory_csv,
     save_verdict,
+    write_text,
 )
 from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, ServoTelemetry, Verdict
 
@@ -124,6 +125,32 @@ def test_failed_write_leaves_nothing(tmp_path: Path):
         raise RuntimeError
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_disk_without_room_is_one_clear_error(tmp_path: Path):
+    """A limit on the size of files stands for the end of the disk: the kernel refuses the write in the same way."""
+    resource = pytest.importorskip("resource")
+    path, before = tmp_path / "m.npz", resource.getrlimit(resource.RLIMIT_FSIZE)
+    noise = np.random.default_rng(0).normal(size=(50, 22, 3))
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+        with pytest.raises(InvalidFile, match=r"m\.npz: cannot be written: File too large"):
+            save_motion(path, HumanMotion(joints=noise, fps=20))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_faults_of_a_writer_stay_what_they_are(tmp_path: Path):
+    with pytest.raises(FileNotFoundError), atomic_path(tmp_path / "out.txt") as temporary:
+        temporary.write_bytes((tmp_path / "absent").read_bytes())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_in_the_way_is_one_clear_error(tmp_path: Path):
+    (tmp_path / "out.txt").mkdir()
+    with pytest.raises(InvalidFile, match="cannot be written"):
+        write_text(tmp_path / "out.txt", "text")
 
 
 def test_unwritable_folder_is_one_clear_error(tmp_path: Path):
