@@ -2,7 +2,7 @@
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -23,7 +23,7 @@ class Interrupts:
 
 
 @contextmanager
-def caught_interrupts() -> Iterator[Interrupts]:
+def caught_interrupts() -> Generator[Interrupts]:
     """Catch SIGINT, SIGTERM and SIGHUP for a while; not outside the main thread, where Python allows no handlers."""
     interrupts = Interrupts()
     if threading.current_thread() is not threading.main_thread():

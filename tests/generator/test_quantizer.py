@@ -61,7 +61,6 @@ def test_clusters_are_found() -> None:
 def test_moving_average_is_that_of_sums_and_counts(inputs: torch.Tensor) -> None:
     """The update without kept sums equals the published one with them."""
     quantizer = trained(inputs, quantizers=1, steps=3).train()
-    quantizer.dropout = 0.0
     usage, book = quantizer.usage[0].clone(), quantizer.codebooks[0].clone()
     flat = inputs.flatten(0, 1)
     chosen = quantizer.nearest(flat, 0)
