@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter1d
 from scipy.spatial import ConvexHull
 
 from retarget.human import pitch_rotation, yaw_rotation
+from retarget.runs import runs
 from retarget.timeline import minimum_jerk
 from ros_free_stack.messages import Bools, Floats
 
@@ -48,12 +49,6 @@ class FootPath:
     def rotation(self) -> Floats:
         """(N, 3, 3) orientation of the sole; the identity is flat and facing x."""
         return yaw_rotation(self.yaw) @ pitch_rotation(self.pitch)
-
-
-def runs(mask: Bools) -> list[tuple[int, int]]:
-    """(start, end) of every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 @dataclass(frozen=True)

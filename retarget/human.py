@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_closing, binary_opening
 
+from retarget.floor import put_on_level_floor
 from ros_free_stack.messages import Bools, Floats, HumanMotion
 from ros_free_stack.skeleton import INDEX
 
@@ -20,6 +21,8 @@ HEAD_REST_TILT = 0.25
 """Forward lean of the line from neck to head of a person who looks straight ahead."""
 
 SHORTEST_CONTACT_S = 0.08
+TOUCH_M = 0.02
+"""Height above its rest below which a toe or an ankle touches the floor, still or not."""
 
 
 @dataclass(frozen=True)
@@ -123,16 +126,17 @@ def joint(joints: Floats, name: str) -> Floats:
 
 
 def align(motion: HumanMotion, thresholds: ContactThresholds | None = None) -> HumanClip:
-    """Put a motion on the floor at the origin, facing x, and find its foot contacts."""
-    joints = np.array(motion.joints)
-    toes = np.stack([joint(joints, f"{side}_foot") for side in SIDES], axis=1)
-    joints[..., 2] -= np.percentile(toes[..., 2].min(axis=1), 5)
+    """Put a motion on a level floor at the origin, facing x, and find its foot contacts."""
+    thresholds = thresholds or ContactThresholds()
+    toes = _toes(motion.joints)
+    still = np.stack([_speed(toes[:, i], motion.fps) < thresholds.speed[0] for i in range(len(SIDES))], axis=1)
+    joints = put_on_level_floor(motion.joints, toes, still)
     hips = _mid(joints[:1], "left_hip", "right_hip")[0]
     turn = yaw_rotation(-heading(joints[:1]))[0]
     joints = (joints - np.array([hips[0], hips[1], 0.0])) @ turn.T
     ankles = np.stack([joint(joints, f"{side}_ankle") for side in SIDES], axis=1)
     ankle_rest = float(np.clip(np.percentile(ankles[..., 2].min(axis=1), 10), 0.02, 0.15))
-    contacts = find_contacts(joints, motion.fps, ankle_rest, thresholds or ContactThresholds())
+    contacts = find_contacts(joints, motion.fps, ankle_rest, thresholds)
     pitches = np.stack([_pitch(foot_vectors(joints, side)) for side in SIDES], axis=1)
     rest = float(np.median(pitches[contacts])) if contacts.any() else float(np.median(pitches))
     return HumanClip(joints, motion.fps, ankle_rest, rest, contacts)
@@ -142,14 +146,18 @@ def find_contacts(joints: Floats, fps: float, ankle_rest: float, thresholds: Con
     """(T, 2) contacts by toe height, ankle height and toe speed, each with hysteresis.
 
     Height alone takes a low swing for a stance, toe height alone a foot that drags its toes: the ankle must be low too.
+    Where neither foot is still, those stand whose toe or heel is on the floor: a person who walks briskly rolls from
+    toes to heel, one who runs only slows his feet down, and captured feet slide.
     """
-    contacts = np.zeros((len(joints), 2), dtype=bool)
+    contacts, touching = np.zeros((len(joints), 2), dtype=bool), np.zeros((len(joints), 2), dtype=bool)
+    shortest = round(SHORTEST_CONTACT_S * fps)
     for i, side in enumerate(SIDES):
-        speed = _speed(joint(joints, f"{side}_foot"), fps)
-        start, hold = thresholds.stands(*foot_heights(joints, side, ankle_rest), speed)
-        contacts[:, i] = _hysteresis(start, hold)
-        contacts[:, i] = _without_blips(contacts[:, i], round(SHORTEST_CONTACT_S * fps))
-    return contacts
+        toe, ankle = foot_heights(joints, side, ankle_rest)
+        start, hold = thresholds.stands(toe, ankle, _speed(joint(joints, f"{side}_foot"), fps))
+        contacts[:, i] = _without_blips(_hysteresis(start, hold), shortest)
+        touching[:, i] = np.minimum(toe, ankle) < TOUCH_M
+    contacts |= touching & ~contacts.any(axis=1, keepdims=True)
+    return np.stack([_without_blips(foot, shortest) for foot in contacts.T], axis=1)
 
 
 def foot_heights(joints: Floats, side: str, ankle_rest: float) -> tuple[Floats, Floats]:
@@ -210,6 +218,11 @@ def _upright_frame(up: Floats, across: Floats, tilt: float) -> Floats:
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         frame[:, i, 0] = y[:, j] * z[:, k] - y[:, k] * z[:, j]
     return frame @ pitch_rotation(np.array(-tilt))
+
+
+def _toes(joints: Floats) -> Floats:
+    """(T, 2, 3) of the left and the right foot."""
+    return np.stack([joint(joints, f"{side}_foot") for side in SIDES], axis=1)
 
 
 def _mid(joints: Floats, first: str, second: str) -> Floats:

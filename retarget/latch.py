@@ -5,9 +5,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from retarget.footsteps import carried, runs
+from retarget.footsteps import carried
 from retarget.geometry import RobotGeometry
 from retarget.human import yaw_rotation
+from retarget.runs import runs
 from retarget.targets import Targets
 from ros_free_stack.messages import Bools, Floats
 

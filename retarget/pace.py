@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from retarget.footsteps import hand_overs, runs
+from retarget.footsteps import hand_overs
 from retarget.human import SIDES, HumanClip, foot_angles, joint, unit
+from retarget.runs import runs
 from retarget.timeline import Pace
 from ros_free_stack.messages import Floats
 

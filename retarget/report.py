@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from retarget.footsteps import runs
 from retarget.geometry import RobotGeometry
 from retarget.limits import active_limits
+from retarget.runs import runs
 from retarget.solver import Solution
 from retarget.targets import Targets
 
