@@ -144,7 +144,7 @@ PROBES = (
     Probe(
         "swing_arms",
         "hands",
-        {"hand.back": below(-0.22), "hand.x": above(0.6), "hand.fronts": above(1), "hand.lift": below(0.0)},
+        {"hand.back": below(-0.02), "hand.x": above(0.6), "hand.fronts": above(1), "hand.lift": below(0.0)},
         count="hand.fronts",
     ),
     Probe(

@@ -7,7 +7,7 @@ around the segment are tried too, the nearest first.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final
+from typing import Any, Final, Self
 
 from generator.probes.catalogue import PROBES
 from generator.probes.measures import Measures
@@ -24,6 +24,34 @@ _MOVES: Final = ((0, 0), (-1, 1), (-1, 0), (0, 1), (1, 0), (0, -1), (1, 1), (-1,
 
 Window = tuple[int, int]
 Params = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Details:
+    """What was said of an action; "", None where nothing was.
+
+    Attributes:
+        side: "left", "right" or "both".
+        count: how often.
+        direction: a variant of the action's probe.
+        extent: how far.
+    """
+
+    side: str = ""
+    count: int | None = None
+    direction: str = ""
+    extent: float | None = None
+
+    @classmethod
+    def of(cls, wanted: Probe, params: Params) -> Self:
+        """Those that parameters tell; "extent" asks how far."""
+        extent = params.get("extent")
+        return cls(
+            params.get("side", ""),
+            params.get("count") or None,
+            wanted.wanted(params),
+            None if extent is None else abs(float(extent)),
+        )
 
 
 @dataclass(frozen=True)
@@ -94,19 +122,24 @@ def check_segment(signals: Signals, window: Window, action: str, params: Params,
         UnknownName: there is no such action.
         InvalidOption: the window is shorter than 0.3 s or outside of the motion.
     """
+    wanted = probe(action)
+    return find(wanted, Details.of(wanted, params), signals, window, exact=exact)
+
+
+def find(wanted: Probe, details: Details, signals: Signals, window: Window, *, exact: bool = False) -> Checks:
+    """Whether a probe's action happens as told in a window of a motion; see `check_segment`."""
     start, stop = window
     if not 0 <= start <= stop - MIN_FRAMES <= len(signals) - MIN_FRAMES:
         raise InvalidOption("window", f"{window} is not at least {MIN_FRAMES} of the motion's {len(signals)} frames")
-    wanted = probe(action)
     nearest: Checks | None = None
     for candidate in (window,) if exact else _around(window, len(signals)):
         finding = detect(wanted, Measures(signals, *candidate))
         if finding.present:
-            checks = _compare(wanted, params, finding, candidate)
+            checks = _compare(wanted, details, finding, candidate)
             if checks.passed:
                 return checks
             nearest = nearest or checks
-    return nearest or _compare(wanted, params, Finding(False), window)
+    return nearest or _compare(wanted, details, Finding(False), window)
 
 
 def check_motion(signals: Signals, segments: tuple[Wanted, ...]) -> MotionChecks:
@@ -128,18 +161,16 @@ def _around(window: Window, frames: int) -> Iterator[Window]:
             yield moved
 
 
-def _compare(wanted: Probe, params: Params, finding: Finding, window: Window) -> Checks:
-    side, count, direction = params.get("side", ""), params.get("count"), wanted.wanted(params)
+def _compare(wanted: Probe, details: Details, finding: Finding, window: Window) -> Checks:
     extent = None
-    if wanted.extent and "extent" in params:
-        told = abs(float(params["extent"]))
-        slack = wanted.extent.share * told + wanted.extent.margin
-        extent = finding.extent is not None and abs(abs(finding.extent) - told) <= slack
+    if wanted.extent and details.extent is not None:
+        slack = wanted.extent.share * details.extent + wanted.extent.margin
+        extent = finding.extent is not None and abs(abs(finding.extent) - details.extent) <= slack
     return Checks(
         action=finding.present,
-        side=finding.side == side if side and wanted.limb in ("hand", "foot") else None,
-        count=finding.count == count if count and wanted.count else None,
-        direction=direction in finding.directions if direction else None,
+        side=finding.side == details.side if details.side and wanted.limb in ("hand", "foot") else None,
+        count=finding.count == details.count if details.count and wanted.count else None,
+        direction=details.direction in finding.directions if details.direction else None,
         extent=extent,
         window=window,
     )

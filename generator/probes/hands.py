@@ -157,7 +157,7 @@ PROBES = (
         "hand",
         {
             "twist_range": above(16),
-            "hand.front": within(0.68, 0.9),
+            "hand.front": within(0.68, 0.97),
             "hand.lift": within(-0.75, -0.35),
             "nod_high": above(6),
             "hand.still_y": above(-0.25),

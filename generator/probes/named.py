@@ -1,10 +1,15 @@
-"""Which parameters of an action a segment's text names: only these can be asked of a motion."""
+"""What a segment's text names of an action: only that can be asked of a motion.
+
+`named` picks it out of the parameters of a performance; `told` reads it where there is nothing but the text.
+"""
 
 import re
 from collections.abc import Mapping
 from typing import Any
 
+from generator.probes.checks import Details
 from generator.probes.spec import Probe
+from generator.text.counts import repetitions
 
 _LIMBS = r"(hand|hands|arm|arms|leg|foot|knee|fist|shoulder)"
 _NUMBERS = {1: "once|one|a single", 2: "twice|two|2", 3: "three|3", 4: "four|4", 5: "five|5", 6: "six|6"}
@@ -24,6 +29,13 @@ _DIRECTIONS = {
     "head": "head|overhead|hair",
 }
 _ANGLES = r"degrees|quarter|around|circle"
+_SIDED = re.compile(rf"\b(left|right) {_LIMBS}\b")
+_PLURAL = re.compile(rf"\bboth\b|\b{_LIMBS}s\b")
+_TURNS = (
+    (re.compile(r"\bquarter\b"), 90.0),
+    (re.compile(r"\bfull\b|\ball the way\b|\bcircle\b|\bcomplete"), 360.0),
+    (re.compile(r"\baround\b|\bhalf\b"), 180.0),
+)
 
 
 def named(probe: Probe, params: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -40,3 +52,24 @@ def named(probe: Probe, params: Mapping[str, Any], text: str) -> dict[str, Any]:
     if probe.extent and probe.extent.param in params and re.search(rf"\b({_ANGLES})\b", text):
         out["extent"] = params[probe.extent.param]
     return out
+
+
+def told(probe: Probe, clause: str) -> Details:
+    """What the text of one clause tells of an action. Of directions that are told at once none is asked for."""
+    sides = {side for side, _ in _SIDED.findall(clause)}
+    side = "both" if not sides and _PLURAL.search(clause) else ""
+    rest = _SIDED.sub("", clause)
+    directions = [d for d in probe.variants if re.search(rf"\b({_DIRECTIONS.get(d, d)})\b", rest)]
+    return Details(
+        side=sides.pop() if len(sides) == 1 else side,
+        count=repetitions(clause) or None,
+        direction=directions[0] if len(directions) == 1 else "",
+        extent=_angle(rest) if probe.extent else None,
+    )
+
+
+def _angle(text: str) -> float | None:
+    """Degrees of a turn."""
+    if degrees := re.search(r"\b(\d+) degrees\b", text):
+        return float(degrees[1])
+    return next((angle for pattern, angle in _TURNS if pattern.search(text)), None)
