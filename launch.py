@@ -24,6 +24,7 @@ from ros_free_stack.robots import RobotDescription, load_robot
 from sim.cli import Validate as ValidateAlone
 
 if TYPE_CHECKING:
+    from generator.generate import MotionGenerator
     from generator.text.encoder import TextEncoder
     from retarget.report import RetargetReport
     from sim.verdict import Judgement
@@ -69,21 +70,23 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Candidate:
-    """One generated motion, how far it is from its sentence, what the robot makes of it, and the judgement.
+    """One generated motion, how well it shows its sentence, what the robot makes of it, and the judgement.
 
-    `distance` is that of the evaluator of text and motion; less is better.
+    `missing` says what the motion does not show of its segments' texts; `distance` from the sentence is that of the
+    evaluator of text and motion, less is better.
     """
 
     motion: HumanMotion
+    missing: tuple[str, ...]
     distance: float
     trajectory: RobotTrajectory
     report: "RetargetReport"
     judgement: "Judgement"
 
     @property
-    def order(self) -> tuple[int, float]:
+    def order(self) -> tuple[int, int, float]:
         """Candidates are preferred by fewest failed checks, then by how well the motion shows what was said."""
-        return len(self.judgement.verdict.failures), self.distance
+        return len(self.judgement.verdict.failures), len(self.missing), self.distance
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -93,6 +96,7 @@ class Candidate:
             "passed": self.judgement.passed,
             "failed": failed,
             "duration_s": self.motion.duration_s,
+            "not_shown": list(self.missing),
             "distance_to_text": self.distance,
             "mean_position_error_cm": sum(errors) / len(errors),
         }
@@ -146,10 +150,11 @@ class Pipeline:
         self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int
     ) -> tuple[HumanMotion, ...]:
         """Human motions for a prompt."""
-        from generator.generate import MotionGenerator
+        return self._generator.generate(prompt, segments, seed=seed, candidates=candidates)
 
-        generator = self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
-        return generator.generate(prompt, segments, seed=seed, candidates=candidates)
+    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
+        """What a motion does not show of its segments' texts."""
+        return self._generator.missing(motion)
 
     def distances(self, prompt: str, motions: tuple[HumanMotion, ...]) -> list[float]:
         """How far each motion is from its sentence."""
@@ -184,7 +189,12 @@ class Pipeline:
         found = repair(candidate.trajectory, self.robot, motion=candidate.motion, retarget=retarget, mount=self.mount)
         motion = found.motion or candidate.motion
         return Candidate(
-            motion, candidate.distance, found.trajectory, reports[found.trajectory.digest], found.judgement
+            motion,
+            candidate.missing,
+            candidate.distance,
+            found.trajectory,
+            reports[found.trajectory.digest],
+            found.judgement,
         )
 
     def candidates(
@@ -200,19 +210,26 @@ class Pipeline:
         """Generate, retarget and judge; the preferred candidate comes first, repaired where none passes."""
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
+            shown = [(motion, self.missing(motion)) for motion in motions]
             distances = self.distances(prompt, motions)
         found: list[Candidate] = []
-        pairs = zip(motions, distances, strict=True)
-        for motion, distance in progress(pairs, "retarget and judge", total=len(motions)):
+        pairs = zip(shown, distances, strict=True)
+        for (motion, missing), distance in progress(pairs, "retarget and judge", total=len(motions)):
             with timings.measure("retarget"):
                 trajectory, report = self.retarget(motion)
             with timings.measure("validate"):
-                found.append(Candidate(motion, distance, trajectory, report, self.judge(trajectory)))
+                found.append(Candidate(motion, missing, distance, trajectory, report, self.judge(trajectory)))
         found.sort(key=lambda candidate: candidate.order)
         if repair and not found[0].judgement.passed:
             with timings.measure("repair"):
                 found[0] = self.repair(found[0])
         return tuple(found)
+
+    @property
+    def _generator(self) -> "MotionGenerator":
+        from generator.generate import MotionGenerator
+
+        return self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
 
     def _encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder
@@ -395,6 +412,7 @@ class Run(Command):
         verdict = best.judgement.verdict
         for segment in best.motion.segments:
             yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
+        yield from (f"not as asked: {line}" for line in best.missing)
         feasible = sum(candidate.judgement.passed for candidate in found)
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
         yield from (note for note in verdict.notes if note.startswith(("changed", "tried")))

@@ -16,6 +16,7 @@ from typing import Any, Final, Literal
 import numpy as np
 import tyro
 
+from generator.config import Sampling
 from generator.data.actions import ACTIONS
 from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
@@ -54,6 +55,8 @@ class Arguments:
     """Sentences of each kind for one seed."""
     candidates: int = 1
     """Motions generated for each sentence; the evaluator chooses among them."""
+    drafts: int = Sampling.drafts
+    """Drafts of each motion, which the generator itself holds against what its text asks; 1 for none."""
     clips: int = 600
     """Clips of real motion."""
     segments: Literal["given", "split"] = "given"
@@ -177,13 +180,15 @@ def probe_generated(arguments: Arguments) -> Tally:
         for number, kind in enumerate(KINDS)
         for index in range(arguments.sentences)
     ]
-    tally = Tally()
+    tally, sampling = Tally(), Sampling(drafts=arguments.drafts)
     for seed, sentence in progress(drawn, "generating", total=len(drawn)):
         texts = split(sentence.prompt) if split else sentence.texts
         if len(texts) != len(sentence.texts):
             tally.add(sentence.kind, sentence.wanted, None)
             continue
-        motions = generator.generate(sentence.prompt, texts, seed=seed, candidates=arguments.candidates)
+        motions = generator.generate(
+            sentence.prompt, texts, seed=seed, candidates=arguments.candidates, sampling=sampling
+        )
         motion = motions[int(np.argmin(ranker.distances(sentence.prompt, motions)))] if ranker else motions[0]
         tally.add(sentence.kind, sentence.wanted, _check(motion, sentence.wanted))
     return tally

@@ -127,13 +127,21 @@ class Generate(Command):
                 say(note)
             sentences.append((prompt, understood.segments))
         make_folder(self.out.parent)
-        motions = self._motions(MotionGenerator.load(folder), sentences)
+        generator = MotionGenerator.load(folder)
+        motions = self._motions(generator, sentences)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
+        missing = [generator.missing(motion) for motion in motions]
+        found = {
+            "files": [str(path) for path in paths],
+            "segments": [vars(s) for s in motions[0].segments],
+            "not_shown": [list(lines) for lines in missing],
+        }
         lines = [f"{s.start_s:5.1f} to {s.end_s:4.1f} s  {s.text}" for s in motions[0].segments]
-        found = {"files": [str(path) for path in paths], "segments": [vars(s) for s in motions[0].segments]}
-        self.report(found, *lines, *(f"wrote {path}" for path in paths))
+        for path, wrong in zip(paths, missing, strict=True):
+            lines += [f"wrote {path}", *(f"not as asked: {line}" for line in wrong)]
+        self.report(found, *lines)
         return 0
 
     def _check(self) -> None:

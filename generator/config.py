@@ -166,6 +166,8 @@ class Sampling:
         top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
         duration_spread: how much of the predicted spread of durations the seed plays out.
         foot_lock: hold standing feet still, see `generator.foot_lock`.
+        drafts, rounds: how many drafts of a motion are compared, and how often what does not show its text is drawn
+            again, see `generator.drafts`; a single draft is taken as it is.
     """
 
     steps: int = 10
@@ -177,6 +179,8 @@ class Sampling:
     top_k: float = 0.9
     duration_spread: float = 0.3
     foot_lock: bool = True
+    drafts: int = 8
+    rounds: int = 3
 
 
 _SMALL_MASK = TransformerConfig(192, 4, 4, 384, dropout=0.0, codes=512, quantizers=3, parts=5)

@@ -7,6 +7,7 @@ from typing import Final, Self, TypeVar
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import nn
 
 from generator import weights
@@ -19,18 +20,23 @@ from generator.config import (
     TokenizerConfig,
     TransformerConfig,
 )
+from generator.drafts import Drafting
 from generator.models.conditioning import Condition, check_segments, stack_lengths, uniform_lengths
 from generator.models.durations import DurationModel, whole_tokens
 from generator.models.mask_transformer import MaskTransformer
 from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
+from generator.probes.signals import Signals
+from generator.self_check import SelfCheck
 from generator.splice import placed
 from generator.surroundings import CONTEXT_TOKENS, Surroundings
 from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import encode_segments
+from generator.text.understanding import DOMAIN
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, NoWeights
+from ros_free_stack.formats.features import decode
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
 
@@ -46,7 +52,7 @@ Model = TypeVar("Model", bound=nn.Module)
 
 @dataclass(frozen=True)
 class MotionGenerator:
-    """The trained models; make one with `MotionGenerator.load`."""
+    """The trained models; make one with `MotionGenerator.load`. Without `self_check` the first draft is taken."""
 
     tokenizer: MotionTokenizer
     mask: MaskTransformer
@@ -54,6 +60,7 @@ class MotionGenerator:
     durations: DurationModel
     text_encoder: TextEncoder
     name: str
+    self_check: SelfCheck | None = None
 
     @classmethod
     def load(
@@ -61,8 +68,11 @@ class MotionGenerator:
     ) -> Self:
         """Read the four models; `text_encoder` may be given where there already is one.
 
+        Motions are held against their texts where the folder has the known texts.
+
         Raises:
             NoWeights: a model is not trained, or was trained with another tokenizer; the message says what to do.
+            InvalidFile: the known texts are damaged.
         """
         saved = {name: weights.load(folder / name, name) for name in ("tokenizer", "mask", "residual", "durations")}
         for name in ("mask", "residual"):
@@ -71,6 +81,8 @@ class MotionGenerator:
                     f"{folder / name}: was trained with another tokenizer than the one in {folder}; "
                     f"train it again with `python launch.py train {name} --dataset DATASET --out {folder}`"
                 )
+
+        encoder = text_encoder or TextEncoder()
 
         def fill(name: str, model: Model) -> Model:
             saved[name].fill(model)
@@ -81,8 +93,9 @@ class MotionGenerator:
             fill("mask", MaskTransformer(saved["mask"].config_as(TransformerConfig))),
             fill("residual", ResidualTransformer(saved["residual"].config_as(TransformerConfig))),
             fill("durations", DurationModel(saved["durations"].config_as(DurationsConfig))),
-            text_encoder or TextEncoder(),
+            encoder,
             f"generator {saved['mask'].digest[:8]}",
+            SelfCheck.load(folder, encoder) if (folder / DOMAIN).exists() else None,
         )
 
     def generate(
@@ -181,6 +194,10 @@ class MotionGenerator:
             edited.append(replace(new, joints=joints, segments=_replaced(motion, new, first / FPS, last / FPS)))
         return tuple(edited)
 
+    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
+        """What a motion does not show of its segments' texts, a line each; nothing where that cannot be said."""
+        return self.self_check.missing(motion) if self.self_check else ()
+
     def _noise(self, seed: int) -> torch.Generator:
         return torch.Generator(self.tokenizer.mean.device).manual_seed(seed)
 
@@ -231,13 +248,34 @@ class MotionGenerator:
         )
         with torch.inference_mode():
             known = self._known(around, condition)
-            base = self.mask.generate(condition, sampling, noise, known[: self.mask.config.parts])
+            base = self._base(texts, condition, sampling, noise, known[: self.mask.config.parts])
             tokens = self.residual.generate(base, condition, sampling, noise, known)
             # Each at its own length, so that padding cannot reach it.
             return [
                 self.tokenizer.decode(tokens[:, i : i + 1, : row.sum()])[0].float().cpu().numpy()
                 for i, row in enumerate(whole)
             ]
+
+    def _base(
+        self,
+        texts: Sequence[str],
+        condition: Condition,
+        sampling: Sampling,
+        noise: torch.Generator,
+        known: torch.Tensor,
+    ) -> torch.Tensor:
+        """Base tokens (P, B, T), of drafts that show their texts where motions are held against them."""
+        if self.self_check is None or sampling.drafts == 1:
+            return self.mask.generate(condition, sampling, noise, known)
+        check, asked = self.self_check, self.self_check.asked(texts)
+
+        def judge(tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
+            signals = Signals.of(decode(self.tokenizer.decode(tokens[:, None])[0].float().cpu().numpy()))
+            ends = np.cumsum(lengths) * TOKEN_FRAMES
+            windows = list(zip((0, *ends[:-1].tolist()), ends.tolist(), strict=True))
+            return check.mistakes(signals, windows, asked)
+
+        return Drafting(self.mask, sampling, judge).draw(condition, known, noise)
 
     def _known(self, around: Surroundings, condition: Condition) -> torch.Tensor:
         """(Q P, B, T) tokens of the surroundings, -1 where there are none."""

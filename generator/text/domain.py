@@ -8,7 +8,7 @@ held against it, as novelty detection does where examples of the novel can be ha
 
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -54,6 +54,7 @@ class Domain:
         texts: known deeds, each "a person " and a verb in the third person.
         embeddings: of the texts, (N, 384), of unit length.
         contrast: embeddings of unknown deeds, (M, 384), of unit length.
+        actions: names of the actions that each text may mean, none where that was not noted.
         threshold: the lowest similarity of a known segment.
     """
 
@@ -61,13 +62,23 @@ class Domain:
     embeddings: Array
     contrast: Array
     encoder: TextEncoder
+    actions: tuple[tuple[str, ...], ...]
     threshold: float = THRESHOLD
 
     @classmethod
-    def fit(cls, texts: Iterable[str], encoder: TextEncoder, *, limit: int = MAX_TEXTS, seed: int = 0) -> "Domain":
+    def fit(
+        cls,
+        texts: Iterable[str],
+        encoder: TextEncoder,
+        *,
+        actions: Mapping[str, Sequence[str]] | None = None,
+        limit: int = MAX_TEXTS,
+        seed: int = 0,
+    ) -> "Domain":
         """The domain of training segment texts, thinned out to at most `limit` that cover them all.
 
-        A contrasting deed that the training texts tell after all is left out.
+        A contrasting deed that the training texts tell after all is left out. `actions` has the names of what deeds
+        (see `deeds`) mean.
         """
         unique = np.array(sorted({deed for text in texts for deed in deeds(text)}))
         if len(unique) > MAX_ENCODED:
@@ -78,7 +89,8 @@ class Domain:
         unknown = [deed for line in lines if not line.startswith("#") for deed in deeds(f"{PERSON} {line}")]
         contrast = _unit(encoder.encode_sentences(unknown))
         contrast = contrast[(contrast @ embeddings[kept].T).max(axis=1, initial=-1.0) < ALIKE]
-        return cls(tuple(unique[kept].tolist()), embeddings[kept], contrast, encoder)
+        known = tuple(unique[kept].tolist())
+        return cls(known, embeddings[kept], contrast, encoder, tuple(tuple((actions or {}).get(t, ())) for t in known))
 
     def similarity(self, segments: Sequence[str]) -> Array:
         """How well each segment text is known (N,), NOT_HUMAN where its subject is no person.
@@ -109,12 +121,18 @@ class Domain:
                 chosen.append(int(row))
         return tuple(self.texts[row] for row in chosen)
 
+    def meant(self, clauses: Sequence[str]) -> list[tuple[str, ...]]:
+        """Names of the actions that each clause may mean, those of the nearest known text; none where none is alike."""
+        found = _unit(self.encoder.encode_sentences([deeds(clause)[0] for clause in clauses])) @ self.embeddings.T
+        return [self.actions[int(row.argmax())] if row.max() >= ALIKE else () for row in found]
+
     def save(self, path: Path) -> None:
-        """Write texts, threshold and embeddings (float16) as one safetensors file."""
+        """Write texts, their actions, threshold and embeddings (float16) as one safetensors file."""
         from safetensors.numpy import save_file
 
         arrays = {"embeddings": self.embeddings.astype(np.float16), "contrast": self.contrast.astype(np.float16)}
-        metadata = {"texts": json.dumps(self.texts), "threshold": str(self.threshold)}
+        words = {"texts": json.dumps(self.texts), "actions": json.dumps(self.actions)}
+        metadata = {**words, "threshold": str(self.threshold)}
         with atomic_path(path) as temporary:
             save_file(arrays, temporary, metadata)
 
@@ -134,12 +152,15 @@ class Domain:
                 metadata: dict[str, Any] = archive.metadata() or {}
                 embeddings, contrast = (archive.get_tensor(name).astype(np.float32) for name in _ARRAYS)
             texts = tuple(json.loads(metadata["texts"]))
+            actions = tuple(tuple(names) for names in json.loads(metadata["actions"]))
             threshold = float(metadata["threshold"])
         except (SafetensorError, KeyError, ValueError) as error:
             raise InvalidFile(path, f"not the known texts of a model ({error})") from None
-        if len(texts) != len(embeddings):
-            raise InvalidFile(path, f"{len(texts)} texts but {len(embeddings)} embeddings")
-        return cls(texts, embeddings, contrast, encoder, threshold)
+        if not len(texts) == len(actions) == len(embeddings):
+            raise InvalidFile(
+                path, f"{len(texts)} texts, actions of {len(actions)} of them, {len(embeddings)} embeddings"
+            )
+        return cls(texts, embeddings, contrast, encoder, actions, threshold)
 
 
 def deeds(segment: str) -> tuple[str, ...]:
@@ -150,7 +171,7 @@ def deeds(segment: str) -> tuple[str, ...]:
     """
     subject, told = (PERSON, segment.removeprefix(f"{PERSON} ")) if segment.startswith(f"{PERSON} ") else ("", segment)
     main, *meanwhile = told.split(" while ")
-    return tuple(f"{subject} {_plainer(part)}".strip() for part in (main, *map(_finite, meanwhile)))
+    return tuple(f"{subject} {part}".strip() for part in (_plainer(main), *(_finite(_plainer(w)) for w in meanwhile)))
 
 
 def _finite(words: str) -> str:

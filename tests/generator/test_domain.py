@@ -1,5 +1,6 @@
 """The check of what the model knows, on known texts drawn from the vocabulary and on the shipped ones."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -143,10 +144,18 @@ def test_limit_keeps_the_most_different_texts(domain: Domain) -> None:
     assert len({text.split()[2] for text in small.texts}) == 3
 
 
+def test_clauses_mean_the_actions_of_the_nearest_text(encoder: TextEncoder) -> None:
+    actions = {"a person bows": ("bow",), "a person steps back": ("step", "walk")}
+    small = Domain.fit(["a person bows", "a person steps back", "a person claps"], encoder, actions=actions)
+    clauses = ["a person bows down", "a person takes a step back", "a person claps", "a person sings a song"]
+    assert small.meant(clauses) == [("bow",), ("step", "walk"), (), ()]
+
+
 def test_survives_its_file(domain: Domain, tmp_path: Path) -> None:
-    domain.save(tmp_path / "domain.safetensors")
+    told = replace(domain, actions=(("wave", "greet"), *domain.actions[1:]))
+    told.save(tmp_path / "domain.safetensors")
     again = Domain.load(tmp_path / "domain.safetensors", domain.encoder)
-    assert again.texts == domain.texts and again.threshold == domain.threshold
+    assert (again.texts, again.actions, again.threshold) == (told.texts, told.actions, told.threshold)
     queries = domain.texts[:5]
     np.testing.assert_allclose(again.similarity(queries), domain.similarity(queries), atol=2e-3)
 

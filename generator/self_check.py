@@ -1,0 +1,104 @@
+"""Does a motion show what its segments say: the probes, asked for what can be read from the text alone.
+
+The text of a segment means the actions of the nearest text that the model knows; a text unlike all of them asks for
+nothing, and nothing is then found missing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generator.probes.catalogue import PROBES
+from generator.probes.checks import MIN_FRAMES, Checks, Window, find
+from generator.probes.named import told
+from generator.probes.signals import Signals
+from generator.text.domain import Domain
+from generator.text.encoder import TextEncoder
+from generator.text.meanwhile import clauses_at_once
+from generator.text.understanding import DOMAIN
+from ros_free_stack.messages import HumanMotion
+
+ABSENT: Final = 4
+"""Mistakes that a missing action counts as, more than all its details together."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A clause of a segment's text and the names of the actions that it may mean, any of which will do."""
+
+    clause: str
+    actions: tuple[str, ...]
+
+    def checks(self, signals: Signals, window: Window) -> Checks | None:
+        """Those of the action with the fewest mistakes; None where nothing can be asked."""
+        if window[1] - window[0] < MIN_FRAMES:
+            return None
+        found = (find(PROBES[name], told(PROBES[name], self.clause), signals, window) for name in self.actions)
+        return min(found, key=mistakes, default=None)
+
+
+def mistakes(checks: Checks | None) -> int:
+    """How much is wrong with an action: each detail counts 1, its absence ABSENT."""
+    if checks is None:
+        return 0
+    if not checks.action:
+        return ABSENT
+    return sum(right is False for right in (checks.side, checks.count, checks.direction, checks.extent))
+
+
+class SelfCheck:
+    """Reads what texts ask for and looks for it in motions."""
+
+    def __init__(self, domain: Domain) -> None:
+        self._domain = domain
+
+    @classmethod
+    def load(cls, folder: Path, encoder: TextEncoder) -> Self:
+        """With the known texts of a folder of weights, or InvalidFile."""
+        return cls(Domain.load(folder / DOMAIN, encoder))
+
+    def asked(self, texts: Sequence[str]) -> tuple[tuple[Asked, ...], ...]:
+        """What each segment text asks for, clause by clause."""
+        clauses = [[clause for clause in clauses_at_once(text) if clause] for text in texts]
+        names = iter(self._domain.meant([clause for row in clauses for clause in row]))
+        return tuple(
+            tuple(Asked(clause, tuple(name for name in next(names) if name in PROBES)) for clause in row)
+            for row in clauses
+        )
+
+    def mistakes(
+        self, signals: Signals, windows: Sequence[Window], asked: Sequence[tuple[Asked, ...]]
+    ) -> NDArray[np.int64]:
+        """(A,) how much is wrong with each segment in its window of frames."""
+        return np.array(
+            [
+                sum(mistakes(part.checks(signals, window)) for part in parts)
+                for window, parts in zip(windows, asked, strict=True)
+            ]
+        )
+
+    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
+        """What a motion does not show of its segments' texts, a line each."""
+        signals, frames = Signals.of(motion.joints), len(motion.joints)
+        lines: list[str] = []
+        for segment, parts in zip(motion.segments, self.asked([s.text for s in motion.segments]), strict=True):
+            window = round(segment.start_s * motion.fps), min(frames, round(segment.end_s * motion.fps))
+            for part in parts:
+                wrong = _wrong(part.checks(signals, window))
+                if wrong:
+                    lines.append(f"{segment.start_s:.1f} to {segment.end_s:.1f} s: {wrong} of `{part.clause}`")
+        return tuple(lines)
+
+
+def _wrong(checks: Checks | None) -> str:
+    """What is wrong, in words; "" where nothing is."""
+    if checks is None or checks.passed:
+        return ""
+    if not checks.action:
+        return "does not show the action"
+    named = {"side": checks.side, "number": checks.count, "direction": checks.direction, "angle": checks.extent}
+    return f"does not show the {' and '.join(name for name, right in named.items() if right is False)}"

@@ -1,0 +1,114 @@
+"""What can be read from the text alone, and whether authored motion is found to show it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from generator.data import pose as poses
+from generator.data.actions import perform
+from generator.data.scene import Scene
+from generator.generate import WEIGHTS_FOLDER
+from generator.probes.catalogue import PROBES
+from generator.probes.checks import Details
+from generator.probes.named import told
+from generator.probes.signals import Signals
+from generator.self_check import ABSENT, SelfCheck
+from generator.text.encoder import TextEncoder
+from ros_free_stack.messages import HumanMotion, Segment
+from ros_free_stack.skeleton import FPS
+
+WAVE_LEFT: tuple[str, dict[str, Any]] = ("wave", {"side": "left", "count": 3})
+TURN: tuple[str, dict[str, Any]] = ("turn", {"angle": 90.0})
+
+
+@pytest.fixture(scope="module")
+def check() -> SelfCheck:
+    return SelfCheck.load(WEIGHTS_FOLDER, TextEncoder())
+
+
+def motion(*told_of: tuple[str, tuple[str, dict[str, Any]]]) -> HumanMotion:
+    """Authored deeds one after the other, each told of in its text."""
+    scene, segments = Scene(seed=3), list[Segment]()
+    scene.time = 0.2
+    for text, (name, params) in told_of:
+        start = scene.time
+        segments.append(Segment(text, start, perform(scene, name, **params)))
+        scene.time += 0.1
+    joints = poses.joints(scene.solve(tail=0.3))
+    return HumanMotion(joints=joints, fps=FPS, prompt="", segments=tuple(segments), source="test")
+
+
+@pytest.mark.parametrize(
+    ("action", "clause", "details"),
+    [
+        ("wave", "a person waves three times with the left hand", Details(side="left", count=3)),
+        ("wave", "a person waves", Details()),
+        ("wave", "a person waves both arms twice", Details(side="both", count=2)),
+        ("raise_arm", "a person lifts the left arm out to the side", Details(side="left", direction="side")),
+        ("point", "a person points to the right with the left hand", Details(side="left", direction="right")),
+        ("touch", "a person touches the left shoulder with the right hand", Details()),
+        ("kick", "a person kicks forward with one leg", Details(direction="forward")),
+        ("turn", "a person turns 90 degrees to the left", Details(direction="left", extent=90.0)),
+        ("turn", "a person turns all the way around to the right", Details(direction="right", extent=360.0)),
+        ("turn", "a person turns around", Details(extent=180.0)),
+    ],
+)
+def test_details_are_read_from_the_text(action: str, clause: str, details: Details) -> None:
+    found = told(PROBES[action], clause)
+    for name in ("side", "count", "extent"):
+        assert getattr(found, name) == getattr(details, name), name
+    if details.direction:
+        assert found.direction == details.direction
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("a person waves with the left hand", [["wave"]]),
+        ("a person walks forward while clapping", [["walk"], ["clap"]]),
+        ("a person does a squat", [["squat"]]),
+        ("a person photosynthesises", [[]]),
+    ],
+)
+def test_texts_mean_actions(check: SelfCheck, text: str, names: list[list[str]]) -> None:
+    (parts,) = check.asked([text])
+    assert [list(part.actions) for part in parts] == names
+
+
+def test_motion_that_shows_its_texts(check: SelfCheck) -> None:
+    shown = motion(
+        ("a person waves three times with the left hand", WAVE_LEFT),
+        ("a person turns 90 degrees to the left", TURN),
+    )
+    assert check.missing(shown) == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("a person waves three times with the right hand", "side"),
+        ("a person waves once with the left hand", "number"),
+        ("a person squats", "action"),
+    ],
+)
+def test_what_is_missing_is_said(check: SelfCheck, text: str, wrong: str) -> None:
+    shown = motion(("a person turns 90 degrees to the left", TURN), (text, WAVE_LEFT))
+    (line,) = check.missing(shown)
+    start, end = shown.segments[1].start_s, shown.segments[1].end_s
+    assert line == f"{start:.1f} to {end:.1f} s: does not show the {wrong} of `{text}`"
+
+
+def test_mistakes_of_each_segment(check: SelfCheck) -> None:
+    shown = motion(("", WAVE_LEFT), ("", TURN))
+    windows = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in shown.segments]
+    asked = check.asked(["a person squats", "a person turns 90 degrees to the right"])
+    found = check.mistakes(Signals.of(shown.joints), windows, asked)
+    np.testing.assert_array_equal(found, [ABSENT, 1])
+
+
+def test_nothing_is_asked_of_an_unknown_text_or_too_short_a_time(check: SelfCheck) -> None:
+    shown = motion(("a person photosynthesises", WAVE_LEFT))
+    assert check.missing(shown) == ()
+    signals = Signals.of(shown.joints)
+    assert check.mistakes(signals, [(0, 4)], check.asked(["a person squats"])).tolist() == [0]
