@@ -27,7 +27,7 @@ class Validate(Command):
     level: Literal["strict", "default", "lenient"] = "default"
     """How strict the limits are."""
     controller: Literal["pd", "default", "wbc"] = "default"
-    """What moves the robot: plain servo goals, these with feedforward and ankle feedback, or whole-body control."""
+    """What moves the robot: plain servo goals, these with feedforward and balance feedback, or whole-body control."""
     state: Literal["true", "estimated"] = "true"
     """What the controller reads: the simulation's own state, or an estimate from joint encoders and an IMU."""
     perturbed: int = 0

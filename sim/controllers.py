@@ -1,17 +1,19 @@
 """Controllers of a playback: what goals the servos get, from the plan and from where the robot is believed to be.
 
 `pd` sends the reference's angles and nothing else: the baseline. `default` adds the servos' feedforward,
-goal = q + (tau + kd v) / kp, and leans the ankles of standing feet against the error of the divergent component of
-motion (DCM, Englsberger et al. 2015), xi = c + v / omega. `wbc` is in `sim.whole_body`.
+goal = q + (tau + kd v) / kp, and moves the pressure under the standing feet against the error of the divergent
+component of motion (DCM, Englsberger et al. 2015), xi = c + v / omega. `wbc` is in `sim.whole_body`.
 """
 
 from typing import Protocol, get_args
 
 import mujoco
 import numpy as np
+from scipy.optimize import nnls
 
 from ros_free_stack.errors import UnknownName
 from ros_free_stack.messages import ControllerName, Floats
+from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription
 from sim.actuation import Servos
 from sim.plan import Plan
@@ -21,9 +23,15 @@ CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
 DCM_GAIN = 6.0
 """Shift of the centre of pressure over DCM error; above 1 the error shrinks."""
 
-SOLE_SHARE = 4.0
+SOLE_SHARE = 2.0
 """Size of a sole, about its middle, to which the pressure may be asked to go. More than 1, since the robot gives way to
 the moment and the servo's own spring takes a part of it back; without a limit the foot rolls over its edge."""
+
+EVENNESS = 0.003
+"""Weight of even loads, beside that of the pressure's place in m, where many shares of the weight put it there."""
+
+LEAST_HEIGHT_M = 0.05
+"""Of a centre of mass, so that a robot that lies on the floor divides by no zero."""
 
 
 class Controller(Protocol):
@@ -55,7 +63,7 @@ def make_controller(
     if name == "pd":
         return PlainPD(plan)
     if name == "default":
-        return AnkleDCM(model, robot, servos, plan)
+        return DcmFeedback(model, robot, servos, plan)
     if name == "wbc":
         from sim.whole_body import WholeBody
 
@@ -75,77 +83,83 @@ class PlainPD:
         return self._plan.joint_pos[then]
 
 
-class AnkleDCM:
-    """Feedforward, and ankles that move the centre of pressure against the DCM error.
+class DcmFeedback:
+    """Feedforward, and forces on the floor that move the centre of pressure against the DCM error.
 
-    The pressure under a standing foot is to move by `DCM_GAIN` times the error, as far as its sole reaches; the ankle's
-    servo gives the moment that this takes by a goal that lies moment / kp further.
+    The pressure is to move by `DCM_GAIN` times the error, as far as the standing soles reach. Each of their corners
+    presses along its line to the centre of mass, as a pendulum on it would, with a share of the weight that puts the
+    pressure there. What that asks of the joints beyond the plan, -J' df, goes to the servos as goals that lie
+    torque / kp further: on one foot it is the ankle's moment, on two the legs also take load from each other.
     """
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, servos: Servos, plan: Plan) -> None:
         self._model, self._plan, self._kp = model, plan, servos.kp
         self._goals = servos.goals(plan.joint_pos, plan.joint_vel, plan.torque)
-        free = model.nv > len(robot.joints)
-        self._ankles = [ankle_joints(model, robot, foot) for foot in robot.soles] if free else []
+        self._free = model.nv > len(robot.joints)
+        _, self._dofs = joint_addresses(model, robot)
         self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
-        corners = [np.array(sole.corners) for sole in robot.soles.values()]
-        self._middles = [points.mean(axis=0) for points in corners]
-        self._halves = [SOLE_SHARE * np.ptp(points, axis=0)[:2] / 2 for points in corners]
+        soles = [np.array(sole.corners) for sole in robot.soles.values()]
+        self._middles = [corners.mean(axis=0) for corners in soles]
+        self._corners = [
+            middle + SOLE_SHARE * (corners - middle) for middle, corners in zip(self._middles, soles, strict=True)
+        ]
         self._gravity = -float(model.opt.gravity[2])
         self._weight = float(model.body_subtreemass[0]) * self._gravity
 
     def goals(self, now: int, then: int, believed: mujoco.MjData) -> Floats:
         """See `Controller`."""
-        goals, plan = self._goals[then].copy(), self._plan
-        standing = plan.standing[now]
-        if not self._ankles or not standing.any():
+        goals, plan = self._goals[then], self._plan
+        standing = np.flatnonzero(plan.standing[now])
+        if not self._free or not len(standing):
             return goals
         mujoco.mj_subtreeVel(self._model, believed)
-        height = max(float(plan.com[now, 2]), 0.05)
-        omega = np.sqrt(self._gravity / height)
-        drift = self._drift(now, believed)
+        omega = np.sqrt(self._gravity / max(float(plan.com[now, 2]), LEAST_HEIGHT_M))
+        drift = self._drift(now, standing, believed)
         planned = plan.com[now, :2] + plan.com_vel[now, :2] / omega + drift
         error = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / omega - planned
         zmp = plan.com[now, :2] - plan.com_acc[now, :2] / omega**2 + drift
-        load = self._weight / standing.sum()
-        for foot in np.flatnonzero(standing):
-            x, y = load * self._shift(int(foot), zmp, DCM_GAIN * error, believed)
-            for place, joint in self._ankles[foot]:
-                axis = believed.xaxis[joint]
-                goals[place] += (axis[1] * x - axis[0] * y) / self._kp[place]
-        return goals
+        return goals + self._torque(standing, zmp, zmp + DCM_GAIN * error, believed) / self._kp
 
-    def _shift(self, foot: int, zmp: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
-        """(2,) m by which the pressure under a foot can move of what is wanted, over the floor."""
-        body, middle, half = self._bodies[foot], self._middles[foot][:2], self._halves[foot]
-        across = believed.xmat[body].reshape(3, 3)[:2, :2]
-        now = _clamped((zmp - believed.xpos[body, :2]) @ across - middle, half)
-        return across @ (_clamped(now + wanted @ across, half) - now)
+    def _torque(self, standing: np.ndarray, planned: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
+        """(J,) N m that the joints give beyond the plan to press at `wanted` (2,) m and not at `planned`."""
+        points = np.concatenate([self._on_floor(int(foot), believed) for foot in standing])
+        com = believed.subtree_com[0]
+        shares = corner_loads(points, wanted) - corner_loads(points, planned)
+        forces = self._weight * shares[:, None] * (com - points) / max(float(com[2]), LEAST_HEIGHT_M)
+        torque, moving, turning = np.zeros(self._model.nv), *np.zeros((2, 3, self._model.nv))
+        ends = np.cumsum([len(self._corners[foot]) for foot in standing])[:-1]
+        for foot, at, force in zip(standing, np.split(points, ends), np.split(forces, ends), strict=True):
+            body = self._bodies[foot]
+            mujoco.mj_jac(self._model, believed, moving, turning, believed.xpos[body], body)
+            moment = np.cross(at - believed.xpos[body], force).sum(axis=0)
+            torque -= moving.T @ force.sum(axis=0) + turning.T @ moment
+        return torque[self._dofs]
 
-    def _drift(self, now: int, believed: mujoco.MjData) -> Floats:
+    def _on_floor(self, foot: int, believed: mujoco.MjData) -> Floats:
+        """(4, 3) m, the corners within which the pressure under a foot may be asked to go."""
+        body = self._bodies[foot]
+        return believed.xpos[body] + self._corners[foot] @ believed.xmat[body].reshape(3, 3).T
+
+    def _drift(self, now: int, standing: np.ndarray, believed: mujoco.MjData) -> Floats:
         """(2,) how far the standing feet are from where they were planned: the plan moves with them."""
         drifts = [
-            (believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ middle - planned)[:2]
-            for body, middle, planned, stands in zip(
-                self._bodies, self._middles, self._plan.feet[now], self._plan.standing[now], strict=True
-            )
-            if stands
+            believed.xpos[self._bodies[foot]]
+            + believed.xmat[self._bodies[foot]].reshape(3, 3) @ self._middles[foot]
+            - self._plan.feet[now, foot]
+            for foot in standing
         ]
-        return sum(drifts, np.zeros(2)) / len(drifts)
+        return np.mean(drifts, axis=0)[:2]
 
 
-def _clamped(values: Floats, bound: Floats) -> Floats:
-    return np.minimum(np.maximum(values, -bound), bound)
+def corner_loads(corners: Floats, pressure: Floats) -> Floats:
+    """(C,) shares of the weight on corners that put the centre of pressure at a point, or as near to it as they reach.
 
+    Of all such shares, none below 0, the most even ones (least squares).
 
-def ankle_joints(model: mujoco.MjModel, robot: RobotDescription, foot: str) -> list[tuple[int, int]]:
-    """(place in the description, joint id) of the hinges between a foot and its shank."""
-    sole = robot.soles[foot]
-    knee = robot.attachments.get(sole.ankle.replace("ankle", "knee"))
-    shank = model.body(knee.body).id if knee else -1
-    body, links = model.body(sole.body).id, set[int]()
-    while body not in (0, shank) and len(links) < 2:
-        links.add(body)
-        body = int(model.body_parentid[body])
-    joints = [(place, model.joint(name).id) for place, name in enumerate(robot.joint_names)]
-    return [(place, joint) for place, joint in joints if int(model.jnt_bodyid[joint]) in links]
+    Args:
+        corners: (C, 3) m.
+        pressure: (2,) m.
+    """
+    count = len(corners)
+    rows = np.vstack([np.ones(count), (corners[:, :2] - pressure).T, EVENNESS * np.eye(count)])
+    return nnls(rows, np.concatenate([[1.0], np.zeros(2 + count)]))[0]

@@ -10,7 +10,7 @@ from ros_free_stack.errors import UnknownName
 from ros_free_stack.robot_model import add_floor, joint_addresses
 from ros_free_stack.robots import load_robot
 from sim.actuation import read_servos
-from sim.controllers import ankle_joints, make_controller
+from sim.controllers import corner_loads, make_controller
 from sim.estimation import EncodersAndImu, SensorNoise, TrueState
 from sim.model import TIMESTEP_S, judging_model
 from sim.playback import Disturbance, FallLimits, play, set_stage
@@ -90,14 +90,53 @@ def test_bare_motors_get_a_position_loop():
     assert servos.kp * (goals - angles) - servos.kd * speeds == pytest.approx(torques)
 
 
-@pytest.mark.parametrize(("name", "count"), [("op3", 2), ("g1", 2), ("h1", 1), ("t1", 2)])
-def test_ankles_are_below_the_knee(name, count):
+CORNERS = np.array([[x, y, 0.0] for y in (0.12, 0.08, -0.08, -0.12) for x in (-0.05, 0.05)])
+"""Of two soles beside each other, the left one first."""
+
+
+@pytest.mark.parametrize("pressure", [(0.0, 0.0), (0.02, 0.05), (-0.04, -0.11), (0.05, 0.12)])
+def test_loads_put_the_pressure_where_it_is_wanted(pressure):
+    loads = corner_loads(CORNERS, np.array(pressure))
+    assert (loads >= 0).all() and loads.sum() == pytest.approx(1.0, abs=1e-3)
+    assert loads @ CORNERS[:, :2] == pytest.approx(pressure, abs=5e-4)
+
+
+def test_loads_reach_no_further_than_the_soles():
+    loads = corner_loads(CORNERS, np.array([0.0, 0.3]))
+    assert loads[:2] == pytest.approx([0.5, 0.5], abs=0.02) and loads[2:] == pytest.approx(np.zeros(6), abs=0.02)
+
+
+def test_even_loads_under_the_middle():
+    assert corner_loads(CORNERS, np.zeros(2)) == pytest.approx(np.full(8, 1 / 8), abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["op3", "g1", "t1", "h1"])
+def test_a_robot_that_drifts_to_its_left_presses_with_its_left_leg(standing, name):
+    """What the servos give beyond the plan is -J' f of floor forces that move to the left foot: virtual work."""
     robot = load_robot(name)
     model = judging_model(robot)
-    for foot in robot.soles:
-        joints = ankle_joints(model, robot, foot)
-        names = [robot.joint_names[place] for place, _ in joints]
-        assert len(names) == count and all("an" in item.lower() and "knee" not in item.lower() for item in names)
+    stage = set_stage(make_reference(standing(robot), robot, model))
+    controller = make_controller("default", model, robot, stage.servos, stage.plan)
+    data = mujoco.MjData(model)
+    data.qpos[:] = stage.plan.qpos[0]
+    truth = TrueState(model)
+    rest = controller.goals(0, 0, truth.believe(0, data))
+    data.qvel[1] = 0.02
+    torque = np.zeros(model.nv)
+    torque[joint_addresses(model, robot)[1]] = stage.servos.kp * (controller.goals(0, 0, truth.believe(0, data)) - rest)
+    left, right = (_leg_stretch(model, data, robot, foot) for foot in ("left", "right"))
+    assert torque @ left > 0 > torque @ right
+
+
+def _leg_stretch(model, data, robot, foot):
+    """(nv,) joint speeds that push one sole down, with the root held."""
+    mujoco.mj_forward(model, data)
+    jacobian = np.zeros((3, model.nv))
+    mujoco.mj_jac(
+        model, data, jacobian, None, data.body(robot.soles[foot].body).xpos, model.body(robot.soles[foot].body).id
+    )
+    jacobian[:, :6] = 0.0
+    return np.linalg.pinv(jacobian) @ np.array([0.0, 0.0, -1.0])
 
 
 def test_servos_act_on_whole_steps(op3):
