@@ -55,8 +55,8 @@ class Arguments:
     """Sentences of each kind for one seed."""
     candidates: int = 1
     """Motions generated for each sentence; the evaluator chooses among them."""
-    drafts: int = Sampling.drafts
-    """Drafts of each motion, which the generator itself holds against what its text asks; 1 for none."""
+    rounds: int = Sampling.rounds
+    """How often the generator draws again what does not show its text; 0 takes the first draft."""
     clips: int = 600
     """Clips of real motion."""
     segments: Literal["given", "split"] = "given"
@@ -180,7 +180,7 @@ def probe_generated(arguments: Arguments) -> Tally:
         for number, kind in enumerate(KINDS)
         for index in range(arguments.sentences)
     ]
-    tally, sampling = Tally(), Sampling(drafts=arguments.drafts)
+    tally, sampling = Tally(), Sampling(rounds=arguments.rounds)
     for seed, sentence in progress(drawn, "generating", total=len(drawn)):
         texts = split(sentence.prompt) if split else sentence.texts
         if len(texts) != len(sentence.texts):

@@ -166,8 +166,8 @@ class Sampling:
         top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
         duration_spread: how much of the predicted spread of durations the seed plays out.
         foot_lock: hold standing feet still, see `generator.foot_lock`.
-        drafts, rounds: how many drafts of a motion are compared, and how often what does not show its text is drawn
-            again, see `generator.drafts`; a single draft is taken as it is.
+        drafts, rounds: how many drafts of what does not show its text are compared, and how often; with no rounds
+            the first draft is taken as it is. See `generator.drafts`.
     """
 
     steps: int = 10

@@ -1,7 +1,8 @@
-"""Drafts: base tokens are drawn several times, and what does not show its text is drawn again.
+"""Drafts: what does not show its text is drawn again.
 
-Of the drafts of a round the one with the fewest mistakes stays. The segments in which it is wrong are drawn anew in
-the next round, with a token of either neighbour, while the rest is held: a mask transformer fills in what is missing.
+A first draft that shows all of its texts stays. Otherwise the segments in which it is wrong are drawn anew, with a
+token of either neighbour, while the rest is held: a mask transformer fills in what is missing. Of several such drafts
+the one with the fewest mistakes stays, and what is still wrong in it is drawn again.
 """
 
 from collections.abc import Callable, Sequence
@@ -42,22 +43,26 @@ class Drafting:
 
     def _best(self, condition: Condition, known: Tensor, noise: torch.Generator) -> Tensor:
         """Base tokens (P, T) of a single motion."""
-        drafts = condition.repeated(self.sampling.drafts)
         lengths = condition.lengths[0]
-        best, wrong, held = known, None, known
+        best, wrong = self._least_wrong(condition, known, noise)
+        drafts = condition.repeated(self.sampling.drafts)
         for _ in range(self.sampling.rounds):
-            tokens = self.mask.generate(
-                drafts, self.sampling, noise, held[:, None].expand(-1, self.sampling.drafts, -1)
-            )
-            found = [self.judge(tokens[:, draft], lengths.tolist()) for draft in range(self.sampling.drafts)]
-            least = int(np.argmin([mistakes.sum() for mistakes in found]))
-            if wrong is None or found[least].sum() < wrong.sum():
-                best, wrong = tokens[:, least], found[least]
             if not wrong.any():
                 break
             again = _widened(torch.from_numpy(wrong > 0).to(lengths.device).repeat_interleave(lengths))
             held = torch.where(known >= 0, known, best.masked_fill(again, -1))
+            tokens, found = self._least_wrong(drafts, held, noise)
+            if found.sum() < wrong.sum():
+                best, wrong = tokens, found
         return best
+
+    def _least_wrong(self, drafts: Condition, held: Tensor, noise: torch.Generator) -> tuple[Tensor, NDArray[np.int64]]:
+        """The draft (P, T) with the fewest mistakes of those that complete the held tokens (P, T), and its mistakes."""
+        count = len(drafts.lengths)
+        tokens = self.mask.generate(drafts, self.sampling, noise, held[:, None].expand(-1, count, -1))
+        found = [self.judge(tokens[:, row], drafts.lengths[row].tolist()) for row in range(count)]
+        least = int(np.argmin([mistakes.sum() for mistakes in found]))
+        return tokens[:, least], found[least]
 
 
 def _widened(chosen: Tensor) -> Tensor:

@@ -265,7 +265,7 @@ class MotionGenerator:
         known: torch.Tensor,
     ) -> torch.Tensor:
         """Base tokens (P, B, T), of drafts that show their texts where motions are held against them."""
-        if self.self_check is None or sampling.drafts == 1:
+        if self.self_check is None or not sampling.rounds:
             return self.mask.generate(condition, sampling, noise, known)
         check, asked = self.self_check, self.self_check.asked(texts)
 

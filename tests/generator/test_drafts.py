@@ -1,4 +1,4 @@
-"""Drafts: the best one stays, what is wrong is drawn again and nothing else, what is given is kept."""
+"""Drafts: what is wrong is drawn again and nothing else, the best draft stays, what is given is kept."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -58,7 +58,7 @@ def test_the_draft_with_the_fewest_mistakes_stays(mask: MaskTransformer) -> None
     drafting = Drafting(mask, replace(SAMPLING, rounds=1), judge)
     tokens = drafting.draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())[:, 0]
     totals = [found.sum() for found in judge.found]
-    assert len(totals) == SAMPLING.drafts and len(set(totals)) > 1
+    assert len(totals) == 1 + SAMPLING.drafts and len(set(totals)) > 1
     assert torch.equal(tokens, judge.seen[int(np.argmin(totals))])
 
 
@@ -90,21 +90,23 @@ def test_only_what_is_wrong_is_drawn_again(mask: MaskTransformer) -> None:
     tokens = drafting.draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())[:, 0]
     assert torch.equal(tokens, seen[0]), "no later draft was better"
     first, stop = LENGTHS[0] - SEAM_TOKENS, LENGTHS[0] + LENGTHS[1] + SEAM_TOKENS
-    later = torch.stack(seen[SAMPLING.drafts :])
-    assert len(later) == 2 * SAMPLING.drafts
+    later = torch.stack(seen[1:])
+    assert len(later) == SAMPLING.rounds * SAMPLING.drafts
     assert (later[..., :first] == seen[0][:, :first]).all() and (later[..., stop:] == seen[0][:, stop:]).all()
     assert (later[..., first:stop] != seen[0][:, first:stop]).any(0).all()
 
 
-def test_nothing_is_drawn_again_where_nothing_is_wrong(mask: MaskTransformer) -> None:
+def test_a_first_draft_without_mistakes_stays(mask: MaskTransformer) -> None:
     calls: list[int] = []
 
     def judge(tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
         calls.append(len(lengths))
         return np.zeros(len(lengths), dtype=np.int64)
 
-    Drafting(mask, SAMPLING, judge).draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())
-    assert calls == [3] * SAMPLING.drafts
+    given, tokens = condition(LENGTHS), unknown(1, sum(LENGTHS))
+    found = Drafting(mask, SAMPLING, judge).draw(given, tokens, noise())
+    assert calls == [3]
+    assert torch.equal(found, mask.generate(given, SAMPLING, noise(), tokens))
 
 
 def test_given_tokens_stay(mask: MaskTransformer) -> None:
