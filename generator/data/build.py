@@ -19,7 +19,8 @@ from typing import Any, BinaryIO, Final
 
 import numpy as np
 
-from generator.data.cmu_atoms import Atom, load_atoms, mirror_params
+from generator.data.atoms import Atom, mirror_params
+from generator.data.cmu_atoms import load_atoms
 from generator.data.compose import ComposedClip, compose_clip, plain
 from generator.data.dataset import VERSION, Caption, Clip, clip_to_json
 from generator.data.mirror import mirror_words

@@ -8,7 +8,9 @@ import pytest
 
 from generator.data import pose as poses
 from generator.data.actions import perform
-from generator.data.cmu_atoms import MIN_S, Atom, load_atoms, marked_caption, mirror_params
+from generator.data.atoms import Atom, mirror_params
+from generator.data.cmu_atoms import load_atoms, marked_caption
+from generator.data.cmu_rules import MIN_S
 from generator.data.joins import length
 from generator.data.scene import Scene
 from ros_free_stack.errors import InvalidFile

@@ -6,17 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from generator.config import MAX_FRAMES, MIN_FRAMES
 from generator.data.actions import perform
-from generator.data.cmu_atoms import Atom
-from generator.data.compose import (
-    MAX_FRAMES,
-    MIN_FRAMES,
-    SEGMENT_SHARES,
-    ComposedClip,
-    compose_clip,
-    draw_plan,
-    is_motion,
-)
+from generator.data.atoms import Atom
+from generator.data.compose import ComposedClip, compose_clip, is_motion
+from generator.data.plan import SEGMENT_SHARES, draw_plan
 from generator.data.scene import Scene
 from generator.data.vocabulary import STILL, VOCABULARY
 from ros_free_stack.skeleton import INDEX
