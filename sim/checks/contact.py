@@ -50,21 +50,60 @@ def ground_penetration(reference: Reference, threshold: Threshold) -> Check:
 
 
 def floating(reference: Reference, threshold: Threshold) -> Check:
-    """Greatest height in m of a sole's lowest corner above the floor z = 0 while the foot is meant to stand.
+    """Greatest height in m above the floor z = 0 of a sole that is meant to stand, or of a robot that hovers.
 
     A reference that floats falls by that much as soon as physics begins (the "float" of PhysDiff, Yuan et al. 2023).
+    Contact flags say which foot should stand; `hovering` asks none of them.
     """
-    heights = np.stack([reference.soles[foot][..., 2].min(axis=1) for foot in reference.robot.foot_names], axis=1)
-    heights = np.where(reference.trajectory.contacts, np.maximum(heights, 0.0), 0.0)
-    frame, foot = (int(i) for i in np.unravel_index(int(np.argmax(heights)), heights.shape))
-    above = heights[frame, foot] > 0
+    feet = reference.robot.foot_names
+    lowest = np.stack([reference.soles[foot][..., 2].min(axis=1) for foot in feet], axis=1)
+    heights = np.where(reference.trajectory.contacts, np.maximum(lowest, 0.0), 0.0)
+    heights = np.column_stack([heights, hovering(reference, lowest.min(axis=1), threshold.limit)])
+    frame, item = (int(i) for i in np.unravel_index(int(np.argmax(heights)), heights.shape))
+    above = heights[frame, item] > 0
     return threshold.check(
         "floating",
-        heights[frame, foot],
-        "How far a foot that should stand is above the floor.",
+        heights[frame, item],
+        "How far a foot that should stand, or a robot that stays up for longer than a jump, is above the floor.",
         worst_frame=frame if above else -1,
-        worst_item=reference.robot.foot_names[foot] if above else "",
+        worst_item=(*feet, reference.robot.root_body)[item] if above else "",
     )
+
+
+def hovering(reference: Reference, clearance: Floats, tolerance: float) -> Floats:
+    """(T,) m by which the robot is too high for a body in flight; 0 where it touches the floor.
+
+    From leaving the floor at time a to landing at b the centre of mass of a flying body is g (t - a) (b - t) / 2 above
+    the line between its heights then. What it lacks of that would bring it down earlier, by no more than its feet are
+    above the floor. At either end of the trajectory the robot is at rest, so it cannot be in flight there.
+
+    Args:
+        reference: the trajectory's kinematics.
+        clearance: (T,) m, height of the lowest sole.
+        tolerance: m, up to which soles count as on the floor.
+    """
+    touching = (clearance <= tolerance) | (reference.floor_depth > 0).any(axis=1)
+    height, gravity = _centre_height(reference), -float(reference.model.opt.gravity[2])
+    found = np.zeros(len(clearance))
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], touching, [True]]).astype(int)))
+    for start, end in edges.reshape(-1, 2):
+        flight = slice(start, end)
+        if start == 0 or end == len(clearance):
+            found[flight] = clearance[flight]
+            continue
+        since = np.arange(1, end - start + 1)
+        length = end - start + 1
+        line = height[start - 1] + (height[end] - height[start - 1]) * since / length
+        arc = line + gravity / 2 * reference.dt**2 * since * (length - since)
+        found[flight] = np.clip(arc - height[flight], 0.0, clearance[flight])
+    return found
+
+
+def _centre_height(reference: Reference) -> Floats:
+    """(T,) m, height of the centre of mass."""
+    model = reference.model
+    heights = reference.body_pos[:, :, 2] + np.einsum("tbj,bj->tb", reference.body_rot[:, :, 2], model.body_ipos)
+    return heights @ model.body_mass / model.body_mass.sum()
 
 
 def foot_skate(reference: Reference, threshold: Threshold) -> Check:

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ros_free_stack.messages import RobotTrajectory
-from ros_free_stack.robots import RobotDescription
+from ros_free_stack.robots import RobotDescription, load_robot
 from sim.model import judging_model, size_scale
 from sim.playback import FallLimits, Playback, play, set_stage
 from sim.reference import Reference, make_reference
@@ -47,7 +47,7 @@ def shaky(op3, make):
 
 def crossed_legs(op3, make):
     crossed = {"l_hip_roll": np.full(50, 0.35), "r_hip_roll": np.full(50, -0.35)}
-    return make(op3, root_offset=[0, 0, 0.1], joints=crossed, contacts=False)
+    return make(op3, root_offset=[0, 0, 0.002], joints=crossed, contacts=False)
 
 
 def sunk(op3, make):
@@ -56,6 +56,13 @@ def sunk(op3, make):
 
 def hovering(op3, make):
     return make(op3, root_offset=[0, 0, 0.02])
+
+
+def in_the_air_without_a_flag(op3, make):
+    """Up by 15 mm and down again within 1 s: a jump of that height takes 0.11 s."""
+    rise = np.zeros((100, 3))
+    rise[25:75, 2] = 0.015 * np.sin(np.pi * np.arange(50) / 50) ** 2
+    return make(op3, frames=100, root_offset=rise, contacts=False)
 
 
 def skating(op3, make):
@@ -86,11 +93,11 @@ def limbs_out_of_step(op3, make):
 
 
 def contorted(op3, make):
-    """Legs lifted to the sides of the trunk, arms folded behind it."""
+    """Legs lifted to the sides of the trunk, which rests on the floor, arms folded behind it."""
     left = {"l_sho_pitch": 2.15, "l_sho_roll": 0.36, "l_el": 1.1, "l_hip_roll": 0.07, "l_hip_pitch": 1.51}
     right = {"r" + name[1:]: -value for name, value in left.items()}
     joints = {name: np.full(50, value) for name, value in (left | right).items()}
-    return make(op3, root_offset=[0, 0, 0.3], joints=joints, contacts=False)
+    return make(op3, root_offset=[0, 0, -0.202], joints=joints, contacts=False)
 
 
 Maker = Callable[[RobotDescription, Callable[..., RobotTrajectory]], RobotTrajectory]
@@ -108,6 +115,28 @@ KINEMATIC: dict[str, tuple[Maker, Level]] = {
     "temporal_coherence": (limbs_out_of_step, "default"),
     "spatial_coherence": (contorted, "default"),
 }
+
+
+@pytest.mark.parametrize("maker", [in_the_air_without_a_flag, lambda *to: without_flags(hovering(*to))])
+def test_floating_asks_no_flags(maker, op3, standing):
+    judgement = judge(maker(op3, standing), op3, physics=False)
+    (check,) = judgement.verdict.failures
+    assert check.name == "floating" and check.worst_item == op3.root_body and 0.014 < check.value < 0.021
+
+
+def without_flags(trajectory):
+    return dataclasses.replace(trajectory, contacts=np.zeros_like(trajectory.contacts))
+
+
+@pytest.mark.parametrize("name", ["op3", "g1"])
+def test_a_jump_that_gravity_allows_does_not_float(name, standing):
+    """Take-off at 1 m/s: 51 mm high, 0.2 s long."""
+    robot = load_robot(name)
+    time = np.arange(200) / 200.0 - 0.4
+    jump = np.zeros((200, 3))
+    jump[:, 2] = np.maximum(time - 9.81 / 2 * time**2, 0.0) * (time > 0)
+    judgement = judge(standing(robot, frames=200, fps=200.0, root_offset=jump, contacts=False), robot, physics=False)
+    assert "floating" not in {check.name for check in judgement.verdict.failures}
 
 
 @pytest.mark.parametrize("name", KINEMATIC)
