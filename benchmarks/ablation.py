@@ -1,10 +1,10 @@
 """What segments, alignment, segmentation and layout each add (SegMo, table 3 and figure 4), at equal training.
 
-python benchmarks/ablation.py --dataset data/corpus --tokenizer runs/small/tokenizer --out runs/ablation
+python benchmarks/ablation.py --dataset data/corpus --weights runs/small --out runs/ablation
 
 Every row is a mask transformer of one small size, trained for as many iterations on the same batches. OUT/ROW is a
-folder of weights for `launch.py evaluate --weights`: tokenizer, durations and one residual transformer, which reads the
-sentence alone so that it tells no row what its mask transformer does not know, are shared by all rows.
+folder of weights for `launch.py evaluate --weights`, in which all rows share tokenizer and durations. The residual
+transformer is shared too and has no say: generation draws the base layer alone.
 """
 
 import json
@@ -19,7 +19,6 @@ import tyro
 
 from generator import weights
 from generator.config import (
-    PRESETS,
     AlignmentKind,
     ConditioningKind,
     SegmentationKind,
@@ -32,11 +31,10 @@ from generator.grounding.consistency import consistency, paired_segments
 from generator.models.mask_transformer import MaskTransformer
 from generator.models.parts import part_count
 from generator.models.segmentation import boundary_errors, boundary_iou
+from generator.text.understanding import DOMAIN
 from generator.training.batches import TokenBatches, TokenCorpus
-from generator.training.durations import DurationsObjective
 from generator.training.loop import CHECKPOINT, Objective, Run, train
 from generator.training.mask import MaskObjective
-from generator.training.residual import ResidualObjective
 from generator.training.segmentation_table import segmentation_table
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidFile, StackError, UnknownName
@@ -45,7 +43,7 @@ from ros_free_stack.skeleton import FPS
 
 SEGMENTATIONS: tuple[SegmentationKind, ...] = ("uniform", "change-point", "clustering", "exact")
 RESULT = "result.json"
-SHARED = "shared"
+SHARED = ("tokenizer", "residual", "durations", DOMAIN)
 
 
 @dataclass(frozen=True)
@@ -82,8 +80,8 @@ class Arguments:
 
     dataset: Path
     """Folder of the motion data set."""
-    tokenizer: Path
-    """Folder of the trained tokenizer; durations and known texts beside it are taken along."""
+    weights: Path
+    """Folder of trained models; all but the mask transformer are shared by all rows."""
     out: Path
     """Folder for the weights of all rows."""
     iterations: int = 2000
@@ -134,16 +132,6 @@ class Ablation:
             segmentation=row.segmentation,
         )
 
-    def train_shared(self) -> None:
-        """The residual transformer and, where there is none beside the tokenizer, the durations."""
-        row, seed = Row("sentence", "none"), self.arguments.seed
-        training = self.training(row)
-        self._train(ResidualObjective(self.corpus, self.transformer(row), training, seed), training, SHARED)
-        if not (self.arguments.tokenizer.parent / "durations" / weights.WEIGHTS).is_file():
-            small = PRESETS["small"]
-            durations = DurationsObjective(self.corpus.dataset, small.durations, small.durations_training, seed)
-            self._train(durations, small.durations_training, SHARED)
-
     def train_row(self, name: str) -> dict[str, Any]:
         """Train a row, link what it shares, measure its segments; what was found."""
         row, folder = ROWS[name], make_folder(self.arguments.out / name)
@@ -171,14 +159,8 @@ class Ablation:
 
     def _link_shared(self, folder: Path) -> None:
         """Links to the models that all rows share."""
-        beside, shared = self.arguments.tokenizer.parent, self.arguments.out / SHARED
-        sources = {
-            "tokenizer": self.arguments.tokenizer,
-            "residual": shared / "residual",
-            "durations": shared / "durations" if (shared / "durations").is_dir() else beside / "durations",
-            "domain.safetensors": beside / "domain.safetensors",
-        }
-        for name, source in sources.items():
+        for name in SHARED:
+            source = self.arguments.weights / name
             if source.exists() and not (folder / name).is_symlink():
                 (folder / name).symlink_to(source.resolve(), target_is_directory=source.is_dir())
 
@@ -247,10 +229,9 @@ def run(arguments: Arguments) -> dict[str, dict[str, Any]]:
     missing = [name for name, path in finished.items() if not path.is_file()]
     if missing:
         dataset = MotionDataset.open(arguments.dataset)
-        saved = weights.load(arguments.tokenizer, "tokenizer")
-        corpus = TokenCorpus.build(dataset, arguments.tokenizer, arguments.device)
+        saved = weights.load(arguments.weights / "tokenizer", "tokenizer")
+        corpus = TokenCorpus.build(dataset, arguments.weights / "tokenizer", arguments.device)
         ablation = Ablation(arguments, corpus, saved.config_as(TokenizerConfig))
-        ablation.train_shared()
         for name in missing:
             ablation.train_row(name)
     return {name: json.loads(path.read_text(encoding="utf-8")) for name, path in finished.items()}
