@@ -16,6 +16,7 @@ from ros_free_stack.messages import ControllerName, Floats
 from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription
 from sim.actuation import Servos
+from sim.footholds import Footholds
 from sim.plan import Plan
 
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
@@ -89,7 +90,8 @@ class DcmFeedback:
     The pressure is to move by `DCM_GAIN` times the error, as far as the standing soles reach. Each of their corners
     presses along its line to the centre of mass, as a pendulum on it would, with a share of the weight that puts the
     pressure there. What that asks of the joints beyond the plan, -J' df, goes to the servos as goals that lie
-    torque / kp further: on one foot it is the ankle's moment, on two the legs also take load from each other.
+    torque / kp further: on one foot it is the ankle's moment, on two the legs also take load from each other. Feet that
+    have landed beside their footholds take the plan along (`sim.footholds`).
     """
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, servos: Servos, plan: Plan) -> None:
@@ -98,11 +100,8 @@ class DcmFeedback:
         self._free = model.nv > len(robot.joints)
         _, self._dofs = joint_addresses(model, robot)
         self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
-        soles = [np.array(sole.corners) for sole in robot.soles.values()]
-        self._middles = [corners.mean(axis=0) for corners in soles]
-        self._corners = [
-            middle + SOLE_SHARE * (corners - middle) for middle, corners in zip(self._middles, soles, strict=True)
-        ]
+        self._corners = [_resized(np.array(sole.corners), SOLE_SHARE) for sole in robot.soles.values()]
+        self._footholds = Footholds(model, robot, plan)
         self._gravity = -float(model.opt.gravity[2])
         self._weight = float(model.body_subtreemass[0]) * self._gravity
 
@@ -114,11 +113,12 @@ class DcmFeedback:
             return goals
         mujoco.mj_subtreeVel(self._model, believed)
         omega = np.sqrt(self._gravity / max(float(plan.com[now, 2]), LEAST_HEIGHT_M))
-        drift = self._drift(now, standing, believed)
+        drift = self._footholds.drift(now, believed)
         planned = plan.com[now, :2] + plan.com_vel[now, :2] / omega + drift
         error = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / omega - planned
         zmp = plan.com[now, :2] - plan.com_acc[now, :2] / omega**2 + drift
-        return goals + self._torque(standing, zmp, zmp + DCM_GAIN * error, believed) / self._kp
+        torque = self._torque(standing, zmp, zmp + DCM_GAIN * error, believed)
+        return goals + torque / self._kp + self._footholds.joints(now, believed)
 
     def _torque(self, standing: np.ndarray, planned: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
         """(J,) N m that the joints give beyond the plan to press at `wanted` (2,) m and not at `planned`."""
@@ -140,15 +140,11 @@ class DcmFeedback:
         body = self._bodies[foot]
         return believed.xpos[body] + self._corners[foot] @ believed.xmat[body].reshape(3, 3).T
 
-    def _drift(self, now: int, standing: np.ndarray, believed: mujoco.MjData) -> Floats:
-        """(2,) how far the standing feet are from where they were planned: the plan moves with them."""
-        drifts = [
-            believed.xpos[self._bodies[foot]]
-            + believed.xmat[self._bodies[foot]].reshape(3, 3) @ self._middles[foot]
-            - self._plan.feet[now, foot]
-            for foot in standing
-        ]
-        return np.mean(drifts, axis=0)[:2]
+
+def _resized(points: Floats, share: float) -> Floats:
+    """(n, 3) points moved from their middle to `share` times their distance from it."""
+    middle = points.mean(axis=0)
+    return middle + share * (points - middle)
 
 
 def corner_loads(corners: Floats, pressure: Floats) -> Floats:
