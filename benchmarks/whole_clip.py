@@ -23,6 +23,7 @@ import tyro
 from mink_peer import Mink
 from online import quality, targets_of
 
+from retarget.pipeline import Retargeter, SolverName
 from ros_free_stack.console import progress, say
 from ros_free_stack.errors import MissingDependency
 from ros_free_stack.files import atomic_path, make_folder, write_text
@@ -34,9 +35,6 @@ TAKES = ("walk", "run", "jump", "dance", "box", "climb", "basketball", "sit")
 """Words of the CMU takes: the first take of each."""
 TAKE_S = 6.0
 LOW_M = 0.001
-INSIDE_CM = 0.1
-"""A ZMP that leaves its polygon by less stays inside."""
-SOLVERS = ("frames", "clip")
 COLUMNS = ("jerk rad/s3", "error cm", "scrape mm/s", "most cm/s", "depth mm", "overlap mm", "excess", "ms/frame")
 
 
@@ -49,7 +47,9 @@ class Arguments:
     cmu: Path | None = None
     """Folder of CMU takes."""
     clips: int = 10
-    """How many authored clips."""
+    """How many authored clips, none of them the mirror image of another one."""
+    solvers: tuple[SolverName, ...] = ("frames", "clip")
+    """Solvers."""
     robots: tuple[str, ...] = ("op3", "g1")
     """Robots by name."""
     physics: bool = False
@@ -75,7 +75,7 @@ def motions(arguments: Arguments) -> Iterator[tuple[str, HumanMotion]]:
 
         dataset = MotionDataset.open(arguments.dataset)
         authored = (clip for clip in dataset.split("test") if clip.source == "authored")
-        for clip in islice(authored, arguments.clips):
+        for clip in islice(authored, 0, 2 * arguments.clips, 2):  # neighbours are a motion and its mirror image
             name = ", then ".join(segment.text for segment in clip.segments)
             yield name, HumanMotion(decode(dataset.features(clip).astype(float)), FPS)
     if arguments.cmu:
@@ -185,9 +185,9 @@ class Peer:
 
 
 def draw(path: Path, title: str, robot: RobotDescription, found: dict[str, tuple[RobotTrajectory, Body]]) -> None:
-    """Jerk, the joint that comes nearest to its limits, and the feet, of both solvers."""
+    """Jerk, the joint that comes nearest to its limits, and the feet, of the solvers."""
     figure, axes = plt.subplots(4, 1, figsize=(10, 10), sharex=True, layout="constrained")
-    for colour, (solver, (trajectory, kinematics)) in zip(("tab:blue", "tab:orange"), found.items(), strict=True):
+    for colour, (solver, (trajectory, kinematics)) in zip(("tab:blue", "tab:orange"), found.items(), strict=False):
         joints, fps = trajectory.joint_pos, trajectory.fps
         time = np.arange(len(joints)) / fps
         speed = np.abs(np.diff(joints, axis=0)) * fps / robot.velocity
@@ -219,22 +219,22 @@ def draw(path: Path, title: str, robot: RobotDescription, found: dict[str, tuple
 
 def main(arguments: Arguments) -> None:
     """Fill the tables motion by motion."""
-    from retarget.pipeline import Retargeter
     from sim.verdict import judge
 
     make_folder(arguments.out)
     clips = list(motions(arguments))
     lines = [f"| robot | solver | {' | '.join(COLUMNS)} |", "|---|---|" + "---|" * len(COLUMNS)]
     balance = [
-        "| robot | solver | clips | ZMP inside before | after | change cm | pass |",
-        "|---|---|---|---|---|---|---|",
+        "| robot | solver | clips | ZMP inside before | after | of the time before | after | farthest out before cm |"
+        " after | change cm | pass |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name in arguments.robots:
         robot = load_robot(name)
-        retargeters = {solver: Retargeter(robot, solver) for solver in SOLVERS}
+        retargeters = {solver: Retargeter(robot, solver) for solver in arguments.solvers}
         peer = Peer(robot)
-        rows: dict[str, list[list[float]]] = {solver: [] for solver in SOLVERS}
-        kept: dict[str, list[tuple[bool, bool, float, bool]]] = {solver: [] for solver in SOLVERS}
+        rows: dict[str, list[list[float]]] = {solver: [] for solver in retargeters}
+        kept: dict[str, list[tuple[float, ...]]] = {solver: [] for solver in retargeters}
         for number, (words, motion) in enumerate(progress(clips, name)):
             drawn: dict[str, tuple[RobotTrajectory, Body]] = {}
             for solver, retargeter in retargeters.items():
@@ -246,14 +246,21 @@ def main(arguments: Arguments) -> None:
                 drawn[solver] = trajectory, kinematics
                 error = float(np.mean([error.mean for error in plain.report.position_error_cm.values()]))
                 rows[solver].append(figures(robot, trajectory, kinematics, error, spent))
-                outside = balanced.report.zmp_outside_cm
-                assert outside is not None
+                outside, share = balanced.report.zmp_outside_cm, balanced.report.zmp_outside_share
+                assert outside is not None and share is not None
                 moved = np.linalg.norm(body(robot, balanced.trajectory).points - kinematics.points, axis=-1).mean()
                 passed = arguments.physics and judge(balanced.trajectory, robot).passed
                 kept[solver].append(
-                    (outside["before"].max < INSIDE_CM, outside["after"].max < INSIDE_CM, 100 * float(moved), passed)
+                    (
+                        *(float(share[when] == 0) for when in ("before", "after")),
+                        *(1 - share[when] for when in ("before", "after")),
+                        *(outside[when].max for when in ("before", "after")),
+                        100 * float(moved),
+                        float(passed),
+                    )
                 )
                 say(f"{name} {solver:6s} {words[:40]:40s} " + " ".join(f"{value:.3g}" for value in rows[solver][-1]))
+                say(f"{'':{len(name) + 8}s}{'balanced':40s} " + " ".join(f"{value:.3g}" for value in kept[solver][-1]))
             peers = peer.row(motion, 50.0)
             if peers is not None:
                 rows.setdefault("mink", []).append(peers)
@@ -263,16 +270,19 @@ def main(arguments: Arguments) -> None:
             typical = np.median(found, axis=0)
             typical[3:7] = np.max(found, axis=0)[3:7]
             lines.append(f"| {name} | {solver} | " + " | ".join(f"{value:.3g}" for value in typical) + " |")
-        jerk, spent = (np.array([[row[k] for row in rows[solver]] for solver in rows]) for k in (0, -1))
-        if "mink" in rows:
-            less, faster = np.median(jerk[2] / jerk[1]), np.median(spent[2] / spent[1])
+        if rows.keys() >= {"mink", "clip"}:
+            ratios = np.array(rows["mink"]) / np.array(rows["clip"])
+            less, faster = np.median(ratios[:, 0]), np.median(ratios[:, -1])
             lines.append(f"\n{name}: mink over clip, medians of ratios: jerk {less:.2f}, time {faster:.2f}.\n")
-        for solver in SOLVERS:
-            before, after, change, passed = np.array(kept[solver], dtype=float).T
-            share = f"{int(passed.sum())}" if arguments.physics else "not played"
+        for solver in retargeters:
+            *inside, worst, least, change, passed = np.array(kept[solver]).T
+            shares = " | ".join(
+                f"{values.mean():.{digits}%}" for values, digits in zip(inside, (0, 0, 1, 2), strict=True)
+            )
+            played = f"{int(passed.sum())}" if arguments.physics else "not played"
             balance.append(
-                f"| {name} | {solver} | {len(clips)} | {before.mean():.0%} | {after.mean():.0%} | {change.mean():.2f} |"
-                f" {share} |"
+                f"| {name} | {solver} | {len(clips)} | {shares} | {worst.max():.1f} | {least.max():.1f} |"
+                f" {change.mean():.2f} | {played} |"
             )
     table = "\n".join([*lines, "", *balance]) + "\n"
     write_text(arguments.out / "table.md", table)

@@ -1,9 +1,11 @@
 """A centre of mass that keeps the robot on its feet: the ZMP inside the support polygon, over the whole clip at once.
 
 With the linear inverted pendulum (Kajita et al. 2003, "Biped walking pattern generation by using preview control of
-zero-moment point") the ZMP is z = c - h/g c'' for a centre of mass c at height h; what the limbs add is measured on the
-solved motion and kept as an offset (the dynamics filter of Yamane and Nakamura 2003). Both are linear in c, so the
-smallest correction of c that holds z inside the polygons is one quadratic program.
+zero-moment point") the ZMP is z = c - h/g c'' for a centre of mass c at height h. By how much the solved motion's ZMP
+differs from that of the centre of mass that was asked for is kept as an offset (the dynamics filter of Yamane and
+Nakamura 2003): what limbs add, and where the body does not follow. All this is linear in c, so the smallest correction
+of c that holds z inside the polygons is one quadratic program. A few of them, each after the motion was solved again,
+learn what the body makes of c (Bristow, Tharayil and Alleyne 2006, "A survey of iterative learning control").
 """
 
 from dataclasses import dataclass
@@ -26,14 +28,17 @@ Sparse = Any
 
 SHRINK = 0.6
 """Size of the soles, about their centres, that the plan may use: the rest is left to errors and feedback."""
+INSIDE_M = 0.001
+"""A ZMP that leaves its polygon by less stays inside."""
 GRAVITY = 9.81
 ACCELERATION_WEIGHT, JERK_WEIGHT = 1e-3, 1e-6
 """Weights of the correction's acceleration (s^4) and of the motion's jerk (s^6) beside its position."""
 
 SLACK_WEIGHT, SLACK_PRICE = 1e3, 1.0
-OFFSET_SMOOTHING = 2.0
+OFFSET_SMOOTHING = 0.7
+"""Standard deviation in frames of the filter on offsets: what alternates from frame to frame cannot be answered."""
 OFFSET_LIMIT = 0.3
-"""Largest offset of the limbs, as a share of the height of the centre of mass."""
+"""Largest offset, as a share of the height of the centre of mass."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,9 @@ def zmp_excess(zmp: Floats, areas: list[Support]) -> Floats:
     return excess
 
 
-def balanced_com(dynamics: Dynamics, wanted: Floats, areas: list[Support], fps: float) -> Floats:
+def balanced_com(
+    dynamics: Dynamics, wanted: Floats, areas: list[Support], fps: float, asked: Floats | None = None
+) -> Floats:
     """(N, 2) centre of mass nearest to `wanted` (N, 2) whose ZMP stays in the polygons.
 
     Frames without a polygon are flight: there the centre of mass moves at constant velocity over the floor. Where no
@@ -77,10 +84,11 @@ def balanced_com(dynamics: Dynamics, wanted: Floats, areas: list[Support], fps: 
     it is.
 
     Args:
-        dynamics: of the solved motion, for heights and for what the limbs add to the ZMP.
+        dynamics: of the solved motion, for heights and for the offset of its ZMP.
         wanted: centre of mass over the floor, m.
         areas: from `supports`.
         fps: frames a second.
+        asked: (N, 2) centre of mass that the solved motion was to follow; its own by default.
     """
     count = len(wanted)
     if count < 4:
@@ -88,7 +96,9 @@ def balanced_com(dynamics: Dynamics, wanted: Floats, areas: list[Support], fps: 
     curvature = _second_difference(count, fps)
     height = np.maximum(dynamics.centre_of_mass[:, 2], 0.1)
     to_zmp = (sp.eye(count) - sp.diags(height / GRAVITY) @ curvature).tocsr()
-    offset = _limb_offset(dynamics, to_zmp, height)
+    asked = dynamics.centre_of_mass[:, :2] if asked is None else asked
+    offset = gaussian_filter1d(dynamics.zmp - to_zmp @ asked, OFFSET_SMOOTHING, axis=0, mode="nearest")
+    offset = np.clip(offset, -OFFSET_LIMIT * height[:, None], OFFSET_LIMIT * height[:, None])
     cost, linear = _cost(wanted, curvature, fps)
     rows, bounds = _inside(areas, to_zmp, offset, count)
     fixed = _boundary(areas, curvature, count)
@@ -124,15 +134,6 @@ def _second_difference(count: int, fps: float) -> Sparse:
     columns = np.concatenate([inner - 1, inner, inner + 1])
     values = np.repeat([1.0, -2.0, 1.0], count - 2) * fps**2
     return sp.csr_matrix((values, (rows, columns)), shape=(count, count))
-
-
-def _limb_offset(dynamics: Dynamics, to_zmp: Sparse, height: Floats) -> Floats:
-    """(N, 2) what the limbs add to the pendulum's ZMP."""
-    offset = gaussian_filter1d(
-        dynamics.zmp - to_zmp @ dynamics.centre_of_mass[:, :2], OFFSET_SMOOTHING, axis=0, mode="nearest"
-    )
-    limit = OFFSET_LIMIT * height[:, None]
-    return np.clip(offset, -limit, limit)
 
 
 def _cost(wanted: Floats, curvature: Sparse, fps: float) -> tuple[Sparse, Floats]:

@@ -10,7 +10,7 @@ from retarget.differences import Stretch, steps
 from retarget.frame_batch import BatchFunction
 from retarget.geometry import RobotGeometry
 from retarget.limits import JointBounds
-from retarget.problem import COM_WEIGHT, DAMPING, ROOT_SHARE, SWING_WEIGHTS
+from retarget.problem import DAMPING, ROOT_SHARE, SWING_WEIGHTS
 from retarget.solver import POSTURE, STANDING_POSTURE
 from retarget.targets import Targets
 from retarget.trajectory_qp import LimitedDifferences, Quadratic, SoftRows
@@ -19,6 +19,8 @@ from ros_free_stack.messages import Floats
 
 HELD_WEIGHTS = (2000.0, 600.0)
 """Weights of (position, rotation) of a foot that stands: it gives way by micrometres."""
+COM_WEIGHT = 60.0
+"""Weight of the centre of mass in lengths of a leg: its acceleration decides where the ZMP is."""
 LANDING = 0.006
 """Height of a sole, in lengths of a leg, below which a swinging foot is led like one that stands, lest it scrapes."""
 CLEAR = 0.01

@@ -29,11 +29,9 @@ LONGEST_HAND_OVER_S = 0.5
 SWING_SHARE = 0.15
 LIFT_OFF, LANDED = 0.06, 0.88
 """Phases of a swing between which the foot travels over the floor: it rises first and comes down last."""
-FADE_S = 0.15
-"""Time from a standing foot to one that follows the human's own path."""
 LIFTS = 4
 RISE_S = 0.3
-"""Longest time in which a foot rises to its clearance, and comes down from it."""
+"""Longest time from a standing foot to one that has its clearance and follows the human's own path, and back."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ def _swing(own: Floats, held: Floats, start: int, end: int, fps: float) -> Float
     """(end - start, D) values from those held before `start` to those held at `end`, as much as possible `own`."""
     if end - start == len(own):
         return own
-    fade = FADE_S * fps
+    fade = min(RISE_S * fps, (end - start) / 2)
     first, last = max(start - 1, 0), min(end, len(own) - 1)
     step = np.arange(1, end - start + 1)
     share = minimum_jerk((step / (end - start + 1) - LIFT_OFF) / (LANDED - LIFT_OFF))[:, None]
@@ -207,9 +205,9 @@ def _swing(own: Floats, held: Floats, start: int, end: int, fps: float) -> Float
     landing = held[first] + share * (held[last] - held[first])
     following = own[start:end] + before + share * (after - before)
     away = np.minimum(step if start > 0 else fade, step[::-1] if end < len(own) else fade)
-    # A foot goes its own way once it is off the floor.
-    free = (minimum_jerk(away / fade) * np.minimum(1.0, 2 * _rise(end - start, fps)) ** 2)[:, None]
-    return landing + free * (following - landing)
+    free = minimum_jerk(away / fade)
+    # Over the floor a foot goes its own way later than up: it must not scrape.
+    return landing + np.column_stack([free**2, free**2, free, free**2]) * (following - landing)
 
 
 def _rise(count: int, fps: float) -> Floats:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from retarget import human as hm
-from retarget.footsteps import CLEARANCE_M, FADE_S, SWING_PITCH
+from retarget.footsteps import CLEARANCE_M, SWING_PITCH
 from retarget.geometry import RobotGeometry, measure
 from retarget.held import held_targets
 from retarget.human import ContactThresholds, HumanClip, joint, yaw_rotation
@@ -28,6 +28,8 @@ STANCE_S = 0.5
 """Time constant with which standing feet correct the floor and their own rest."""
 LOWERING_S = 0.1
 """Time constant with which the body comes down to what the legs can reach."""
+FADE_S = 0.15
+"""Time from a foot that has left its foothold to one that follows the human."""
 LIFTED_M = 0.05
 """Height of the human's ankle above its rest at which a swing has its full clearance and its share of the pitch."""
 FIRST_FPS = 20.0

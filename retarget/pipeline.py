@@ -6,14 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from retarget.balance import SHRINK, balanced_com, supports, zmp_excess
+from retarget.balance import INSIDE_M, SHRINK, balanced_com, supports, zmp_excess
 from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
 from retarget.held import held_targets, own_pace
 from retarget.human import HumanClip, align
 from retarget.latch import latch
 from retarget.pace import walking_pace
-from retarget.report import RetargetReport, Spread, make_report
+from retarget.report import RetargetReport, make_report
 from retarget.solver import FrameSolver, Solution
 from retarget.targets import Targets, leg_speed, make_targets, stride_share
 from retarget.timeline import plan_timeline
@@ -22,7 +22,7 @@ from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
-BALANCE_PASSES = 2
+BALANCE_PASSES = 3
 
 SolverName = Literal["clip", "frames"]
 Unsolved = tuple[tuple[int, int], ...]
@@ -83,7 +83,7 @@ class Retargeter:
                 targets,
                 replace(solution, foot_error=solution.foot_error + np.linalg.norm(targets.soles - planned, axis=2)),
                 unsolved=unsolved,
-                zmp_outside_cm=excess,
+                zmp_excess=excess,
                 stride_scale=stride,
                 slowdown=slowdown,
                 timings_s=times,
@@ -115,15 +115,20 @@ class Retargeter:
 
     def _balanced(
         self, targets: Targets, solution: Solution, unsolved: Unsolved
-    ) -> tuple[Solution, Unsolved, dict[str, Spread]]:
-        """Solve again with a centre of mass that keeps the ZMP inside the support polygons."""
+    ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
+        """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
+
+        The dictionary holds (N,) how far it is outside `before` and `after`, m.
+        """
         geometry, fps = self._geometry, targets.fps
         wanted = solution.centre_of_mass[:, :2]
         inner, outer = (supports(geometry, targets, shrink) for shrink in (SHRINK, 1.0))
-        dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
-        excess = {"before": _spread_cm(zmp_excess(dynamics.zmp, outer))}
-        for _ in range(BALANCE_PASSES):
-            com = balanced_com(dynamics, wanted, inner, fps)
+        dynamics, com = whole_body_dynamics(geometry, solution.qpos, fps), None
+        before = after = zmp_excess(dynamics.zmp, outer)
+        for done in range(BALANCE_PASSES):
+            if done and after.max() < INSIDE_M:
+                break
+            com = balanced_com(dynamics, wanted, inner, fps, com)
             shifted = targets.shifted(com - wanted)
             if self._clip is None:
                 solution = self._frames.solve(shifted, com)
@@ -131,7 +136,8 @@ class Retargeter:
                 found = self._clip.solve(shifted, solution.qpos, com)
                 solution, unsolved = found.solution, found.unsolved
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
-        return solution, unsolved, excess | {"after": _spread_cm(zmp_excess(dynamics.zmp, outer))}
+            after = zmp_excess(dynamics.zmp, outer)
+        return solution, unsolved, {"before": before, "after": after}
 
     def _trajectory(self, targets: Targets, solution: Solution) -> RobotTrajectory:
         quaternions = solution.qpos[:, 3:7]
@@ -179,7 +185,3 @@ def retarget(
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:
     """(N, F) contacts of feet that do rest on their footholds; a foot that moves is no support."""
     return targets.contacts & ~solution.released & (solution.foot_error < 0.05 * geometry.ankle_height)
-
-
-def _spread_cm(values: Floats) -> Spread:
-    return Spread(100 * float(values.mean()), 100 * float(values.max()))

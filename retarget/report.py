@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from retarget.balance import INSIDE_M
 from retarget.geometry import RobotGeometry
 from retarget.limits import active_limits
 from retarget.runs import runs
 from retarget.solver import Solution
 from retarget.targets import Targets
+from ros_free_stack.messages import Floats
 
 GIVEN_UP_SHARE = 0.1
 """A limb farther from its target than this share of the robot's leg length has been given up."""
@@ -55,6 +57,7 @@ class RetargetReport:
             trajectory there; their limits hold all the same.
         zmp_outside_cm: how far the zero moment point leaves the support polygon, (mean, max), before and after
             balancing; None without the balance pass.
+        zmp_outside_share: share of the frames in which it leaves it, before and after.
         timings_s: seconds of each step.
     """
 
@@ -67,6 +70,7 @@ class RetargetReport:
     slowdown: float
     unsolved_s: tuple[tuple[float, float], ...] = ()
     zmp_outside_cm: dict[str, Spread] | None = None
+    zmp_outside_share: dict[str, float] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
 
     def as_dict(self) -> dict[str, Any]:
@@ -89,16 +93,14 @@ def make_report(
     stride_scale: float,
     slowdown: float,
     unsolved: tuple[tuple[int, int], ...],
-    zmp_outside_cm: dict[str, Spread] | None,
+    zmp_excess: dict[str, Floats] | None,
     timings_s: dict[str, float],
 ) -> RetargetReport:
-    """Collect the report of a solved clip."""
+    """Collect the report of a solved clip; `zmp_excess` holds (N,) by how many m the ZMP is outside, and when."""
     errors = limb_errors(geometry, solution)
     shares = solution.limited.mean(axis=0)
     return RetargetReport(
-        position_error_cm={
-            limb: Spread(100 * float(error.mean()), 100 * float(error.max())) for limb, error in errors.items()
-        },
+        position_error_cm={limb: _spread_cm(error) for limb, error in errors.items()},
         limited_joints={
             name: float(share) for name, share in zip(geometry.robot.joint_names, shares, strict=True) if share > 0
         },
@@ -108,9 +110,16 @@ def make_report(
         stride_scale=stride_scale,
         slowdown=slowdown,
         unsolved_s=tuple((start / targets.fps, end / targets.fps) for start, end in unsolved),
-        zmp_outside_cm=zmp_outside_cm,
+        zmp_outside_cm=None if zmp_excess is None else {when: _spread_cm(e) for when, e in zmp_excess.items()},
+        zmp_outside_share=None
+        if zmp_excess is None
+        else {when: float((e > INSIDE_M).mean()) for when, e in zmp_excess.items()},
         timings_s=timings_s,
     )
+
+
+def _spread_cm(values: Floats) -> Spread:
+    return Spread(100 * float(values.mean()), 100 * float(values.max()))
 
 
 def _given_up(

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from retarget.balance import Support, balanced_com, zmp_excess
 from retarget.dynamics import Dynamics, whole_body_dynamics
@@ -48,6 +49,26 @@ def test_weight_is_shifted_over_the_standing_foot_before_it_is_needed():
     assert zmp_excess(before.zmp, areas).max() > 0.05
     assert zmp_excess(pendulum(com, 0.3).zmp, areas).max() < 1e-3
     assert com[78, 1] > 0.02 and abs(com[0, 1]) < 0.02
+
+
+def test_what_a_sluggish_body_makes_of_the_centre_of_mass_is_learnt():
+    wanted = np.zeros((200, 2))
+    inner, outer = (
+        [box(0, 80, (0, 0), 0.15 * size), box(80, 120, (0, 0.1), 0.03 * size), box(120, 200, (0, 0), 0.15 * size)]
+        for size in (0.6, 1.0)
+    )
+
+    def outside(*, learnt: bool) -> list[float]:
+        found, asked = [], wanted
+        for _ in range(4):
+            solved = pendulum(gaussian_filter1d(asked, 4.0, axis=0), 0.3)
+            found.append(zmp_excess(solved.zmp, outer).max())
+            asked = balanced_com(solved, wanted, inner, FPS, asked if learnt else None)
+        return found[1:]
+
+    first, *_, last = outside(learnt=True)
+    assert first > 2e-3 and last < first / 2
+    assert outside(learnt=False)[-1] > 2 * last
 
 
 def test_a_balanced_motion_stays_as_it_is():

@@ -46,5 +46,25 @@ def test_a_swinging_foot_does_not_scrape_the_floor(step):
     assert speed[low].max() < 0.02
 
 
+def test_a_foot_is_raised_and_put_down_as_gently_as_the_human_does():
+    phase = np.clip((np.arange(90) - 30) / 30, 0, 1)
+    height = 0.2 * np.sin(np.pi * phase) ** 2
+    path = clean_path(
+        FootPath(
+            np.column_stack([0.1 * height, 0 * height, ANKLE + height]),
+            np.zeros(90),
+            np.zeros(90),
+            (phase <= 0) | (phase >= 1),
+        ),
+        ankle_height=ANKLE,
+        clearance=CLEARANCE,
+        corners=CORNERS,
+        fps=FPS,
+    )
+    asked, planned = (np.abs(np.diff(values, n=2)).max() for values in (height, path.ankle[:, 2]))
+    assert path.ankle[:, 2].max() > ANKLE + 0.18
+    assert planned < 2 * asked
+
+
 def test_a_swinging_foot_is_lifted(step):
     assert soles(step)[..., 2].min(axis=1).max() > 0.8 * CLEARANCE
