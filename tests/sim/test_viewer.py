@@ -217,13 +217,16 @@ def test_page_in_a_browser(motion, chromium, tmp_path):
     thread.start()
     try:
         chromium.open(shown.address)
-        deadline, drawn = monotonic() + 60, 0.0
+        deadline, drawn = monotonic() + 90, 0.0
         while drawn < 0.001 and monotonic() < deadline:
             sleep(1)
             picture = chromium.screenshot(tmp_path / "page.png")
             drawn = float(((picture[..., 0] - picture[..., 2]) > 0.3).mean())  # the orange of the left side
         assert drawn > 0.001, "the human's left side is not on the page"
-        text = chromium.evaluate("document.body.innerText")
+        text = ""
+        while not all(word in text for word in ("walks on", "speed", "Play")) and monotonic() < deadline:
+            sleep(0.5)  # the panel may come after the first picture
+            text = chromium.evaluate("document.body.innerText")
         assert "walks on" in text and "speed" in text and "Play" in text
         chromium.evaluate("[...document.querySelectorAll('button')].find(b => b.innerText == 'Play').click()")
         while not shown.player.playing and monotonic() < deadline:
