@@ -12,7 +12,6 @@ from generator.probes.spec import Probe
 from generator.text.counts import repetitions
 
 _LIMBS = r"(hand|hands|arm|arms|leg|foot|knee|fist|shoulder)"
-_NUMBERS = {1: "once|one|a single", 2: "twice|two|2", 3: "three|3", 4: "four|4", 5: "five|5", 6: "six|6"}
 _DIRECTIONS = {
     "up": "up|upwards|overhead|above|over|high|air",
     "down": "down|downwards|floor|ground",
@@ -44,7 +43,7 @@ def named(probe: Probe, params: Mapping[str, Any], text: str) -> dict[str, Any]:
     side, count = params.get("side", ""), params.get("count")
     if side and re.search(rf"\bboth\b|\b{_LIMBS}s\b" if side == "both" else rf"\b{side} {_LIMBS}\b", text):
         out["side"] = side
-    if count in _NUMBERS and re.search(rf"\b({_NUMBERS[count]}) times\b|\b({_NUMBERS[count]})\b", text):
+    if count and count == repetitions(text):
         out["count"] = count
     direction = probe.wanted(params)
     if direction and not re.search(rf"\b({_DIRECTIONS.get(direction, direction)})\b", text):

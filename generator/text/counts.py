@@ -18,9 +18,14 @@ _WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eig
 _ADVERBS = {"once": 1, "twice": 2, "thrice": 3}
 _NUMBER = rf"\d+|one|{'|'.join(_WORDS)}"
 _TIMES = re.compile(rf"\b(?:({'|'.join(_ADVERBS)})|({_NUMBER}) times?)\b")
-_THINGS = re.compile(
-    rf"\b(\d+|{'|'.join(_WORDS)}) (?!(?:\w+ )?(?:hands?|arms?|fists?|fingers?|elbows?|legs?|feet|knees?|degrees?|"
-    r"seconds|met(?:er|re)s|inches|people|sides|places|directions|objects?|things|drums?|boxes|balls?|weights?|dumbbells?)\b)"
+_SEVERAL = re.compile(
+    rf"\b(\d+|{'|'.join(_WORDS)}) (?!(?:\w+ )?(?:hands|arms|fists|fingers|elbows|legs|feet|knees|degrees?|seconds|"
+    r"met(?:er|re)s|inches|people|sides|places|directions|objects|things|drums|boxes|balls|weights|dumbbells)\b)"
+)
+"""`two arm curls` are repetitions, `two arms` are not."""
+_SINGLE = re.compile(
+    r"\b(?:one|a single) (?!(?:\w+ )?(?:hand|arm|fist|finger|elbow|leg|foot|knee|shoulder|side|place|spot|direction|"
+    r"way|object|thing|drum|box|ball|weight|dumbbell|person|more|another|other)\b|(?:by|at|after|of|to|and|or|in|on)\b)"
 )
 
 
@@ -31,8 +36,9 @@ def repetitions(clause: str) -> int:
     """
     if found := _TIMES.search(clause):
         return min(MOST, _ADVERBS.get(found[1]) or _value(found[2]))
-    found = _THINGS.search(clause)
-    return min(MOST, _value(found[1])) if found else 0
+    if found := _SEVERAL.search(clause):
+        return min(MOST, _value(found[1]))
+    return int(bool(_SINGLE.search(clause)))
 
 
 def segment_counts(segments: Sequence[str]) -> NDArray[np.int64]:

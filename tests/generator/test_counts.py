@@ -22,6 +22,14 @@ from generator.text.counts import repetitions, segment_counts
         ("a person does a jump with a 180 degree turn", 0),
         ("a person lifts two heavy weights", 0),
         ("a person claps many times", 0),
+        ("a person does two knee lifts", 2),
+        ("a person does three arm curls with both arms", 3),
+        ("a person performs a single squat", 1),
+        ("a person takes one big step", 1),
+        ("a person jogs in one place", 0),
+        ("a person kicks with one straight leg", 0),
+        ("a person lifts one arm at a time", 0),
+        ("a person steps one by one", 0),
     ],
 )
 def test_repetitions(clause: str, number: int) -> None:

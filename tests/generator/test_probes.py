@@ -171,6 +171,7 @@ def test_errors_name_what_is_wrong():
         ("turn", {"angle": 180.0}, "a person turns around", {"extent": 180.0}),
         ("turn", {"angle": -90.0}, "a person turns to the right", {"angle": -90.0}),
         ("squat", {"count": 3}, "a person does three squats", {"count": 3}),
+        ("knock", {"count": 1}, "a person knocks at the door with one hand", {}),
     ],
 )
 def test_only_what_is_named_is_asked(action: str, params: dict[str, Any], text: str, expected: dict[str, Any]):
