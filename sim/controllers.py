@@ -5,11 +5,10 @@ goal = q + (tau + kd v) / kp, and moves the pressure under the standing feet aga
 component of motion (DCM, Englsberger et al. 2015), xi = c + v / omega. `wbc` is in `sim.whole_body`.
 """
 
-from typing import Protocol, get_args
+from typing import Final, Protocol, get_args
 
 import mujoco
 import numpy as np
-from scipy.optimize import nnls
 
 from ros_free_stack.errors import UnknownName
 from ros_free_stack.messages import ControllerName, Floats
@@ -17,6 +16,7 @@ from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription
 from sim.actuation import Servos
 from sim.footholds import Footholds
+from sim.linear import damped_shares
 from sim.plan import Plan
 
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
@@ -30,6 +30,9 @@ the moment and the servo's own spring takes a part of it back; without a limit t
 
 EVENNESS = 0.003
 """Weight of even loads, beside that of the pressure's place in m, where many shares of the weight put it there."""
+
+_WHOLE: Final = np.array([1.0, 0.0, 0.0])
+"""Sum of the shares, and their moment about the pressure."""
 
 LEAST_HEIGHT_M = 0.05
 """Of a centre of mass, so that a robot that lies on the floor divides by no zero."""
@@ -95,50 +98,48 @@ class DcmFeedback:
     """
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, servos: Servos, plan: Plan) -> None:
-        self._model, self._plan, self._kp = model, plan, servos.kp
+        self._model, self._kp = model, servos.kp
         self._goals = servos.goals(plan.joint_pos, plan.joint_vel, plan.torque)
         self._free = model.nv > len(robot.joints)
         _, self._dofs = joint_addresses(model, robot)
-        self._bodies = [model.body(sole.body).id for sole in robot.soles.values()]
-        self._corners = [_resized(np.array(sole.corners), SOLE_SHARE) for sole in robot.soles.values()]
+        soles = robot.soles.values()
+        self._bodies = np.array([model.body(sole.body).id for sole in soles], dtype=int)
+        self._corners = np.array([_resized(np.array(sole.corners), SOLE_SHARE) for sole in soles])
         self._footholds = Footholds(model, robot, plan)
-        self._gravity = -float(model.opt.gravity[2])
-        self._weight = float(model.body_subtreemass[0]) * self._gravity
+        gravity = -float(model.opt.gravity[2])
+        self._weight = float(model.body_subtreemass[0]) * gravity
+        self._standing = plan.standing
+        self._omega = np.sqrt(gravity / np.maximum(plan.com[:, 2:], LEAST_HEIGHT_M))
+        self._dcm = plan.com[:, :2] + plan.com_vel[:, :2] / self._omega
+        self._zmp = plan.com[:, :2] - plan.com_acc[:, :2] / self._omega**2
 
     def goals(self, now: int, then: int, believed: mujoco.MjData) -> Floats:
         """See `Controller`."""
-        goals, plan = self._goals[then], self._plan
-        standing = np.flatnonzero(plan.standing[now])
+        goals, standing = self._goals[then], np.flatnonzero(self._standing[now])
         if not self._free or not len(standing):
             return goals
         mujoco.mj_subtreeVel(self._model, believed)
-        omega = np.sqrt(self._gravity / max(float(plan.com[now, 2]), LEAST_HEIGHT_M))
-        drift = self._footholds.drift(now, believed)
-        planned = plan.com[now, :2] + plan.com_vel[now, :2] / omega + drift
-        error = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / omega - planned
-        zmp = plan.com[now, :2] - plan.com_acc[now, :2] / omega**2 + drift
+        drift, added = self._footholds.follow(now, believed)
+        dcm = believed.subtree_com[0, :2] + believed.subtree_linvel[0, :2] / self._omega[now]
+        error, zmp = dcm - self._dcm[now] - drift, self._zmp[now] + drift
         torque = self._torque(standing, zmp, zmp + DCM_GAIN * error, believed)
-        return goals + torque / self._kp + self._footholds.joints(now, believed)
+        return goals + torque / self._kp + added
 
     def _torque(self, standing: np.ndarray, planned: Floats, wanted: Floats, believed: mujoco.MjData) -> Floats:
         """(J,) N m that the joints give beyond the plan to press at `wanted` (2,) m and not at `planned`."""
-        points = np.concatenate([self._on_floor(int(foot), believed) for foot in standing])
-        com = believed.subtree_com[0]
-        shares = corner_loads(points, wanted) - corner_loads(points, planned)
-        forces = self._weight * shares[:, None] * (com - points) / max(float(com[2]), LEAST_HEIGHT_M)
-        torque, moving, turning = np.zeros(self._model.nv), *np.zeros((2, 3, self._model.nv))
-        ends = np.cumsum([len(self._corners[foot]) for foot in standing])[:-1]
-        for foot, at, force in zip(standing, np.split(points, ends), np.split(forces, ends), strict=True):
-            body = self._bodies[foot]
-            mujoco.mj_jac(self._model, believed, moving, turning, believed.xpos[body], body)
-            moment = np.cross(at - believed.xpos[body], force).sum(axis=0)
-            torque -= moving.T @ force.sum(axis=0) + turning.T @ moment
-        return torque[self._dofs]
-
-    def _on_floor(self, foot: int, believed: mujoco.MjData) -> Floats:
-        """(4, 3) m, the corners within which the pressure under a foot may be asked to go."""
-        body = self._bodies[foot]
-        return believed.xpos[body] + self._corners[foot] @ believed.xmat[body].reshape(3, 3).T
+        bodies, com = self._bodies[standing], believed.subtree_com[0]
+        feet, rotations = believed.xpos[bodies], believed.xmat[bodies].reshape(-1, 3, 3)
+        arms = self._corners[standing] @ rotations.transpose(0, 2, 1)
+        corners = (feet[:, None] + arms).reshape(-1, 3)
+        shares = corner_loads(corners, wanted) - corner_loads(corners, planned)
+        loads = (self._weight / max(float(com[2]), LEAST_HEIGHT_M) * shares).reshape(*arms.shape[:2], 1)
+        # A corner's force is load (com - corner); about the foot, its moment is load arm x (com - foot).
+        reach, place = com - feet, (loads * arms).sum(axis=1)
+        forces, moment, floor = loads.sum(axis=1) * reach - place, np.zeros(3), np.zeros(self._model.nv)
+        for foot, body in enumerate(bodies.tolist()):
+            mujoco.mju_cross(moment, place[foot], reach[foot])
+            mujoco.mj_applyFT(self._model, believed, forces[foot], moment, feet[foot], body, floor)
+        return -floor[self._dofs]
 
 
 def _resized(points: Floats, share: float) -> Floats:
@@ -156,6 +157,6 @@ def corner_loads(corners: Floats, pressure: Floats) -> Floats:
         corners: (C, 3) m.
         pressure: (2,) m.
     """
-    count = len(corners)
-    rows = np.vstack([np.ones(count), (corners[:, :2] - pressure).T, EVENNESS * np.eye(count)])
-    return nnls(rows, np.concatenate([[1.0], np.zeros(2 + count)]))[0]
+    rows = np.ones((3, len(corners)))
+    rows[1:] = (corners[:, :2] - pressure).T
+    return damped_shares(rows, _WHOLE, EVENNESS)

@@ -5,6 +5,8 @@ soles tip over their edges. So the plan moves: each leg reaches for where its fo
 one foot's place to the other's as the weight does.
 """
 
+from typing import Final
+
 import mujoco
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -12,6 +14,7 @@ from scipy.ndimage import gaussian_filter1d
 from ros_free_stack.messages import Floats
 from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription
+from sim.linear import solve_definite
 from sim.plan import Plan
 
 FOLLOW_S = 0.05
@@ -24,58 +27,59 @@ SMOOTHING_S = 0.03
 """Standard deviation of the filter on the weight's share of each foot."""
 
 GRAVITY = 9.81
-_DAMPING = 1e-4
-"""Of the inverse of a leg's Jacobian, m^2: a straight leg reaches no further."""
+_DAMPED: Final = 1e-4 * np.eye(6)
+"""Damping of the inverse of a leg's Jacobian, m^2: a straight leg reaches no further."""
 
 
 class Footholds:
-    """How far feet stand from the plan; call `joints` once a cycle."""
+    """How far feet stand from the plan; call `follow` once a cycle."""
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, plan: Plan) -> None:
         self._model, self._plan = model, plan
         soles = robot.soles.values()
-        self._bodies = [model.body(sole.body).id for sole in soles]
-        self._middles = [np.mean(sole.corners, axis=0) for sole in soles]
-        self._legs = [_leg(model, body, joint_addresses(model, robot)[1]) for body in self._bodies]
+        self._bodies = np.array([model.body(sole.body).id for sole in soles], dtype=int)
+        self._middles = np.array([np.mean(sole.corners, axis=0) for sole in soles]).reshape(-1, 3, 1)
+        self._legs = [_leg(model, body, joint_addresses(model, robot)[1]) for body in self._bodies.tolist()]
         self._shares = _shares(plan)
         self._moved = np.zeros((len(self._bodies), 2))
         self._stood = np.full(len(self._bodies), SETTLE_S)
 
-    def drifts(self, now: int, believed: mujoco.MjData) -> Floats:
-        """(F, 2) m, how far feet are from where they were planned."""
-        soles = [
-            believed.xpos[body] + believed.xmat[body].reshape(3, 3) @ middle
-            for body, middle in zip(self._bodies, self._middles, strict=True)
-        ]
-        return (np.array(soles) - self._plan.feet[now])[:, :2]
+    def follow(self, now: int, believed: mujoco.MjData) -> tuple[Floats, Floats]:
+        """How the plan changes with the feet.
 
-    def drift(self, now: int, believed: mujoco.MjData) -> Floats:
-        """(2,) m, how far the plan of the body moves with the feet that bear it."""
-        return self._shares[now] @ self.drifts(now, believed)
+        Returns:
+            (2,) m by which the body goes along with the feet that bear it, and (J,) rad to add to the plan's angles, so
+            that the legs reach where the feet stand.
+        """
+        soles = believed.xpos[self._bodies] + (believed.xmat[self._bodies].reshape(-1, 3, 3) @ self._middles)[..., 0]
+        drifts = (soles - self._plan.feet[now])[:, :2]
+        self._take_over(now, drifts)
+        return self._shares[now] @ drifts, self._joints(now, believed)
 
-    def joints(self, now: int, believed: mujoco.MjData) -> Floats:
-        """(J,) rad to add to the plan's angles, so that the legs reach where the feet stand."""
-        self._follow(now, self.drifts(now, believed))
+    def _take_over(self, now: int, drifts: Floats) -> None:
+        """Note where a foot has landed beside one that stood before: the state's own drift is the same in both."""
+        standing, dt = self._plan.standing[now], self._plan.cycle_s
+        landing = standing & (self._stood < SETTLE_S)
+        if landing.any() and (standing & ~landing).any():
+            settled = np.flatnonzero(standing & ~landing)[0]
+            self._moved[landing] = self._moved[settled] + drifts[landing] - drifts[settled]
+        self._stood = np.where(standing, self._stood + dt, 0.0)
+        if not standing.all():
+            back = self._shares[now] @ self._moved - self._moved
+            self._moved[~standing] += min(1.0, dt / FOLLOW_S) * back[~standing]
+
+    def _joints(self, now: int, believed: mujoco.MjData) -> Floats:
+        """(J,) rad to add to the plan's angles."""
         added, jacobian = np.zeros(self._plan.joint_pos.shape[1]), np.zeros((6, self._model.nv))
-        for body, (places, dofs), away in zip(
-            self._bodies, self._legs, self._moved - self._shares[now] @ self._moved, strict=True
-        ):
+        if not self._moved.any():
+            return added
+        wanted = np.zeros((len(self._bodies), 6))
+        wanted[:, :2] = self._moved - self._shares[now] @ self._moved
+        for body, (places, dofs), away in zip(self._bodies.tolist(), self._legs, wanted, strict=True):
             mujoco.mj_jacBody(self._model, believed, jacobian[:3], jacobian[3:], body)
             leg = jacobian[:, dofs]
-            wanted = np.concatenate([away, np.zeros(4)])
-            added[places] += leg.T @ np.linalg.solve(leg @ leg.T + _DAMPING * np.eye(6), wanted)
+            added[places] += leg.T @ solve_definite(leg @ leg.T + _DAMPED, away)
         return added
-
-    def _follow(self, now: int, drifts: Floats) -> None:
-        """Take over where a foot has landed beside one that stood before: the state's own drift is the same in both."""
-        standing, dt = self._plan.standing[now], self._plan.cycle_s
-        settled = np.flatnonzero(standing & (self._stood >= SETTLE_S))
-        for foot in np.flatnonzero(standing & (self._stood < SETTLE_S)):
-            if len(settled):
-                self._moved[foot] = self._moved[settled[0]] + drifts[foot] - drifts[settled[0]]
-        self._stood = np.where(standing, self._stood + dt, 0.0)
-        back = self._shares[now] @ self._moved - self._moved
-        self._moved[~standing] += min(1.0, dt / FOLLOW_S) * back[~standing]
 
 
 def _leg(model: mujoco.MjModel, body: int, dofs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,18 +1,23 @@
 """The torques that a reference needs: inverse dynamics, with the floor's forces shared out among the soles."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import mujoco
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-from scipy.optimize import nnls
 
 from ros_free_stack.messages import Bools, Floats
 from ros_free_stack.robot_model import joint_addresses
-from ros_free_stack.robots import RobotDescription
+from ros_free_stack.robots import RobotDescription, Sole
+from sim.linear import damped_shares
 
-_FRICTION = 0.5
-_REGULARISATION = 1e-3
+_FRICTION: Final = 0.5
+_REGULARISATION: Final = 1e-3
+
+_EDGES: Final = np.array([[_FRICTION, 0, 1], [-_FRICTION, 0, 1], [0, _FRICTION, 1], [0, -_FRICTION, 1.0]])
+_MOMENTS: Final = np.cross(np.eye(3), _EDGES[:, None])
+"""(4, 3, 3): an arm (3,) times one of these is the moment of that edge's force."""
 
 
 @dataclass(frozen=True)
@@ -88,20 +93,18 @@ def _derivatives(model: mujoco.MjModel, qpos: Floats, dt: float) -> tuple[Floats
 
 def _floor_forces(model: mujoco.MjModel, data: mujoco.MjData, robot: RobotDescription, contacts: Bools) -> Floats:
     """(nv,) generalised force of the floor on the standing soles."""
-    edges = np.array([[_FRICTION, 0, 1], [-_FRICTION, 0, 1], [0, _FRICTION, 1], [0, -_FRICTION, 1.0]])
-    standing_soles = [sole for sole, standing in zip(robot.soles.values(), contacts, strict=True) if standing]
-    rows = np.empty((4 * sum(len(sole.corners) for sole in standing_soles), model.nv))
-    jacobian, filled = np.zeros((3, model.nv)), 0
-    for sole in standing_soles:
-        body = data.body(sole.body)
-        for corner in body.xpos + np.array(sole.corners) @ body.xmat.reshape(3, 3).T:
-            mujoco.mj_jac(model, data, jacobian, None, corner, body.id)
-            rows[filled : filled + 4] = edges @ jacobian
-            filled += 4
+    standing = [sole for sole, stands in zip(robot.soles.values(), contacts, strict=True) if stands]
     weight = model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
-    generators = rows.T * weight
-    count = generators.shape[1]
-    system = np.vstack([generators[:6], _REGULARISATION * weight * np.eye(count)])
-    target = np.concatenate([data.qfrc_inverse[:6], np.zeros(count)])
-    coefficients, _ = nnls(system, target)
-    return generators @ coefficients
+    generators = weight * np.concatenate([_cone_edges(model, data, sole) for sole in standing]).T
+    return generators @ damped_shares(generators[:6], data.qfrc_inverse[:6], _REGULARISATION * weight)
+
+
+def _cone_edges(model: mujoco.MjModel, data: mujoco.MjData, sole: Sole) -> Floats:
+    """(16, nv) generalised forces of 1 N upwards along the four edges of the friction cone at each corner of a sole."""
+    body = data.body(sole.body)
+    arms = np.array(sole.corners) @ body.xmat.reshape(3, 3).T
+    wrenches = np.empty((len(arms), len(_EDGES), 6))
+    wrenches[..., :3], wrenches[..., 3:] = _EDGES, (arms @ _MOMENTS).swapaxes(0, 1)
+    jacobian = np.zeros((6, model.nv))
+    mujoco.mj_jacBody(model, data, jacobian[:3], jacobian[3:], body.id)
+    return wrenches.reshape(-1, 6) @ jacobian

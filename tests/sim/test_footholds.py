@@ -48,7 +48,7 @@ def cycle_at(stage, seconds):
 def followed(stage, believed, until_s):
     """What is added to the joints at the end, when the robot is believed to be in a pose all the time."""
     footholds = Footholds(stage.model, stage.reference.robot, stage.plan)
-    return [footholds.joints(cycle, believed) for cycle in range(cycle_at(stage, until_s))][-1]
+    return [footholds.follow(cycle, believed)[1] for cycle in range(cycle_at(stage, until_s))][-1]
 
 
 def test_nothing_is_added_on_the_planned_footholds(step):
@@ -84,4 +84,4 @@ def test_the_body_goes_over_with_the_weight(step):
     footholds = Footholds(step.model, step.reference.robot, step.plan)
     believed = posed(step.model, data)
     for seconds in (0.2, 0.5, 0.9):
-        assert footholds.drift(cycle_at(step, seconds), believed) == pytest.approx([0.03, 0.0], abs=1e-4)
+        assert footholds.follow(cycle_at(step, seconds), believed)[0] == pytest.approx([0.03, 0.0], abs=1e-4)
