@@ -10,7 +10,7 @@ from ros_free_stack.files import atomic_path
 
 
 def draw_similarity(path: Path, similarity: np.ndarray, texts: Sequence[str], found: Sequence[Found]) -> None:
-    """Write a PNG: a row for each text, a column for each start of the sliding window, the best windows as bars.
+    """Write a PNG: a row for each text, a column for each start of the sliding window, where each was found as a bar.
 
     Args:
         similarity: (A, S) cosines; column i is a window that starts at token i.
@@ -31,9 +31,9 @@ def draw_similarity(path: Path, similarity: np.ndarray, texts: Sequence[str], fo
         extent=(0, starts * TOKEN_S, count - 0.5, -0.5),
     )
     for row, place in enumerate(found):
-        axes.plot([place.start_s, place.end_s], [row + 0.36, row + 0.36], color="white", lw=3, solid_capstyle="butt")
+        axes.plot([place.start_s, place.end_s], [row + 0.36, row + 0.36], color="#dc2626", lw=4, solid_capstyle="butt")
     axes.set_yticks(range(count), [text.removeprefix("a person ") for text in texts])
-    axes.set_xlabel("start of the window, s (white: the most similar window of any length)")
+    axes.set_xlabel("start of the window, s (red: where the text was found)")
     axes.set_xlim(0, max([starts * TOKEN_S, *(place.end_s for place in found)]))
     figure.colorbar(image, ax=axes, label="cosine similarity")
     with atomic_path(path) as temporary:

@@ -13,7 +13,7 @@ from generator.config import PRESETS, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
 from generator.grounding.cli import Caption, Ground
 from generator.grounding.consistency import consistency, paired_segments, recall
-from generator.grounding.search import TOKEN_S, ground, similarity_map
+from generator.grounding.search import BACKGROUND, TOKEN_S, ground, similarity_map
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.training.batches import TokenBatches, TokenCorpus
@@ -96,9 +96,33 @@ def test_windows_are_segments(folder: Path) -> None:
     torch.testing.assert_close(windows[0], space.segments(hidden, [4, 6])[0])
     torch.testing.assert_close(windows[6], space.segments(hidden, [6, 4])[1])
     texts = functional.normalize(torch.randn(2, 32), dim=1)
-    found = ground(space, hidden, texts)
-    best = max(float(similarity_map(space, hidden, texts, n)[0].max()) for n in range(4, 11))
-    assert found[0].similarity == pytest.approx(best)
+    (alone,) = ground(space, hidden, texts[:1])
+    similarities = {n: similarity_map(space, hidden, texts, n)[0] for n in range(4, 11)}
+    best = max(float(row.max() - BACKGROUND) * n**0.5 for n, row in similarities.items())
+    length = round((alone.end_s - alone.start_s) / TOKEN_S)
+    assert (alone.similarity - BACKGROUND) * length**0.5 == pytest.approx(best)
+    assert alone.similarity == pytest.approx(similarities[length][round(alone.start_s / TOKEN_S)])
+
+
+def test_texts_are_found_in_order(folder: Path) -> None:
+    """The windows are the best ones of all that follow each other, as trying all of them finds."""
+    space = AlignedSpace.load(folder)
+    hidden = space.hidden(torch.arange(11).expand(space.model.config.parts, -1))
+    texts = functional.normalize(torch.randn(2, 32, generator=torch.Generator().manual_seed(1)), dim=1)
+    windows = [(a, b) for a in range(8) for b in range(a + 4, 12)]
+    evidence = {
+        (row, a, b): float(similarity_map(space, hidden, texts, b - a)[row, a] - BACKGROUND) * (b - a) ** 0.5
+        for row in (0, 1)
+        for a, b in windows
+    }
+    best = max(evidence[0, a, b] + evidence[1, c, d] for a, b in windows for c, d in windows if b <= c)
+    first, second = ground(space, hidden, texts)
+    assert first.end_s <= second.start_s
+    total = sum((f.similarity - BACKGROUND) * ((f.end_s - f.start_s) / TOKEN_S) ** 0.5 for f in (first, second))
+    assert total == pytest.approx(best)
+    assert len(ground(space, hidden[:3], texts)) == 2
+    with pytest.raises(InvalidOption, match="do not fit"):
+        ground(space, hidden[:1], texts)
 
 
 def test_known_texts_survive_the_disk(folder: Path, dataset: MotionDataset, tmp_path: Path) -> None:
