@@ -34,7 +34,7 @@ ROOT_SMOOTHNESS = (100.0, 100.0)
 RATE = 50.0
 ROOM = 1e-6
 """Least distance in rad that is kept from every limit of a joint."""
-NEAR_LIMIT = 0.2
+NEAR_LIMIT = 0.4
 """Share of a limit from which a joint's step, or change of step, is watched."""
 
 

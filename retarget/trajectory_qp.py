@@ -16,6 +16,7 @@ import piqp
 import scipy.sparse as sp
 
 from retarget.differences import Sparse, Stretch
+from retarget.repair import repaired
 from ros_free_stack.messages import Bools, Floats
 
 SLACK_PRICE = 1e6
@@ -26,9 +27,7 @@ ended, so only what is left of the rows counts."""
 UNIT = 0.1
 """Increments in rad or m that are one to the solver: its first guess then lies as far from the bounds as they are."""
 WATCHED = 0.25
-"""Share of a limited difference's range, from either end, in which a row for it is added when another one is missed."""
-SOLVES, ENOUGH = 3, 0.2
-"""Solutions in which rows may be missed, and the share of a step within all limits that is enough."""
+"""Share of a limited difference's range, from either end, in which a row for it is added when a joint missed one."""
 UNUSED = -1.0
 """Lower bound of a soft row that holds nothing."""
 
@@ -59,14 +58,6 @@ class LimitedDifferences:
     near: Bools
 
 
-@dataclass(frozen=True)
-class Increments:
-    """`values` (n, nv) of the frames, which are `share` of the solution: more would exceed a limit."""
-
-    values: Floats
-    share: float
-
-
 class TrajectoryQP:
     """Programs of one stretch with a common pattern, which grows where more rows come near their limits."""
 
@@ -75,16 +66,23 @@ class TrajectoryQP:
         self._count, self._nv, self._dofs = len(stretch), len(smoothness), dofs
         first, self._second = stretch.operators()
         self._limited: Sparse = sp.vstack([first, self._second], format="csr")
+        self._coupling: Sparse = (self._second.T @ self._second).tocsr()
         self._smoothness = smoothness
         self._cost = self._cost_pattern()
         self._near = np.zeros((self._limited.shape[0], len(dofs)), dtype=bool)
         self._slots = np.zeros(self._count, dtype=int)
+        self._missed = np.zeros_like(self._near)
         self._solver: piqp.SparseSolver | None = None
 
     def solve(
-        self, cost: Quadratic, changes: Floats, box: tuple[Floats, Floats], soft: SoftRows, limits: LimitedDifferences
-    ) -> Increments | None:
-        """Increments of least cost, shortened where a joint would exceed a limit that was not foreseen.
+        self,
+        cost: Quadratic,
+        changes: Floats,
+        box: tuple[Floats, Floats],
+        soft: SoftRows,
+        limits: LimitedDifferences,
+    ) -> Floats | None:
+        """Increments (n, nv) of least cost; joints that would exceed a limit that was not foreseen are repaired.
 
         None if the solver found none.
 
@@ -99,26 +97,40 @@ class TrajectoryQP:
         pull = self._second.T @ (changes * self._smoothness)
         linear = self._stacked(cost.gradient + pull, 0.0) * UNIT
         low, high = self._stacked(box[0], -np.inf) / UNIT, self._stacked(box[1], np.inf) / UNIT
-        near, values, share = limits.near, np.zeros_like(cost.gradient), 0.0
-        for _ in range(SOLVES):
-            grown, solver = self._grow(near, soft), self._solver
-            rows, lower, upper = self._rows_filled(soft, limits)
-            lower, upper = lower / UNIT, upper / UNIT
-            if grown or solver is None:
-                solver = self._solver = _solver()
-                solver.setup(matrix, linear, None, None, rows, lower, upper, low, high)
-            else:
-                solver.update(P=matrix, c=linear, G=rows, h_l=lower, h_u=upper, x_l=low, x_u=high)
-            if solver.solve() != piqp.PIQP_SOLVED:
-                return None
-            values = UNIT * solver.result.x.reshape(self._count, self._nv + 1)[:, : self._nv]
-            differences = self._limited @ values[:, self._dofs]
-            share = _allowed(differences[~self._near], limits.lower[~self._near], limits.upper[~self._near])
-            if share > ENOUGH:
-                break
-            left = np.minimum(differences - limits.lower, limits.upper - differences)
-            near = left < WATCHED * (limits.upper - limits.lower)
-        return Increments(share * values, share)
+        grown, solver = self._grow(limits.near | self._missed, soft), self._solver
+        rows, lower, upper = self._rows_filled(soft, limits)
+        lower, upper = lower / UNIT, upper / UNIT
+        if grown or solver is None:
+            solver = self._solver = _solver()
+            solver.setup(matrix, linear, None, None, rows, lower, upper, low, high)
+        else:
+            solver.update(P=matrix, c=linear, G=rows, h_l=lower, h_u=upper, x_l=low, x_u=high)
+        if solver.solve() != piqp.PIQP_SOLVED:
+            return None
+        values = UNIT * solver.result.x.reshape(self._count, self._nv + 1)[:, : self._nv]
+        return self._within(values, cost, box, limits)
+
+    def _within(
+        self, values: Floats, cost: Quadratic, box: tuple[Floats, Floats], limits: LimitedDifferences
+    ) -> Floats:
+        """Increments that keep limits that had no rows; the next program has rows where repaired joints come near.
+
+        Where a joint cannot be repaired all increments are shortened.
+        """
+        differences = self._limited @ values[:, self._dofs]
+        exceeded = ~self._near & ((differences < limits.lower) | (differences > limits.upper))
+        joints = np.flatnonzero(exceeded.any(axis=0))
+        for joint, dof in zip(joints, self._dofs[joints], strict=True):
+            metric: Sparse = sp.diags(cost.hessian[:, dof, dof]) + self._smoothness[dof] * self._coupling
+            bounds, own = (box[0][:, dof], box[1][:, dof]), (limits.lower[:, joint], limits.upper[:, joint])
+            found = repaired(values[:, dof], metric.tocsc(), self._limited, bounds, own)
+            if found is not None:
+                values[:, dof] = found
+        differences = self._limited @ values[:, self._dofs]
+        left = np.minimum(differences - limits.lower, limits.upper - differences)
+        self._missed = exceeded.any(axis=0) & (left < WATCHED * (limits.upper - limits.lower))
+        free = ~self._near
+        return _allowed(differences[free], limits.lower[free], limits.upper[free]) * values
 
     def _cost_pattern(self) -> "Pattern":
         """Upper triangles of the frames' blocks, and what couples a dof with itself one and two frames later."""
@@ -136,12 +148,13 @@ class TrajectoryQP:
         return Pattern(np.concatenate(rows), np.concatenate(columns), (size, size))
 
     def _cost_values(self, hessian: Floats) -> Floats:
-        coupling: Sparse = (self._second.T @ self._second).tocsr()
         row, column = np.triu_indices(self._nv)
         blocks = hessian[:, row, column]
-        blocks[:, row == column] += coupling.diagonal()[:, None] * self._smoothness
+        blocks[:, row == column] += self._coupling.diagonal()[:, None] * self._smoothness
         off = [
-            (coupling.diagonal(apart)[:, None] * self._smoothness).ravel() for apart in (1, 2) if apart < self._count
+            (self._coupling.diagonal(apart)[:, None] * self._smoothness).ravel()
+            for apart in (1, 2)
+            if apart < self._count
         ]
         return np.concatenate([blocks.ravel(), np.full(self._count, SLACK_PRICE), *off])
 

@@ -29,7 +29,7 @@ TRUST = 0.3
 SHORTEST_STEP = 0.1
 """Share of a step below which the search gives up."""
 GAIN = 0.05
-"""Share of the cost that an iteration must gain for another one to follow, where no limit shortens its step."""
+"""Share of the cost that an iteration must gain for another one to follow."""
 TIGHT = 2e-5
 """Mean violation of a frame, m or rad, that counts as none."""
 LEVEL = 1e-3
@@ -91,12 +91,12 @@ class ClipSolver:
             increments = program.solve(
                 problem.quadratic(now), now.changes, problem.box(now, TRUST), now.soft, problem.limits(now)
             )
-            then = None if increments is None else _step(problem, clip, now, increments.values, tried)
-            if increments is None or then is None:
+            then = None if increments is None else _step(problem, clip, now, increments, tried)
+            if then is None:
                 break
             tried.add(then.cost, then.violation)
             firm = then.violation < TIGHT * count or then.violation > LESS * now.violation
-            settled = now.cost - then.cost < GAIN * increments.share * now.cost
+            settled = now.cost - then.cost < GAIN * now.cost
             now = then
             if now.violation < bound:
                 kept = now
