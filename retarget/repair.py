@@ -10,7 +10,7 @@ from ros_free_stack.messages import Floats
 UNIT = 0.1
 """Increments in rad that are one to the solver."""
 ROOM = 1e-8
-"""What every limit is widened by, in rad: a joint that rests at several of them has no interior otherwise."""
+"""What a limit is widened by, in rad, where it is kept: a joint at several of them has no interior otherwise."""
 ITERATIONS = 50
 """After which the solver is stuck."""
 
@@ -31,7 +31,7 @@ def repaired(
     """
     solver = piqp.SparseSolver()
     solver.settings.verbose, solver.settings.max_iter = False, ITERATIONS
-    lower, upper = (np.minimum(limits[0], 0) - ROOM) / UNIT, (np.maximum(limits[1], 0) + ROOM) / UNIT
+    lower, upper = np.minimum(limits[0] - ROOM, 0) / UNIT, np.maximum(limits[1] + ROOM, 0) / UNIT
     rows: Sparse = sp.csc_matrix(differences)
     linear = -(cost @ values) * UNIT
     solver.setup(cost * UNIT**2, linear, None, None, rows, lower, upper, box[0] / UNIT, box[1] / UNIT)
