@@ -46,7 +46,7 @@ class Servos:
 
     def rounded(self, angles: Floats) -> Floats:
         """Angles in rad to whole encoder steps."""
-        return np.round(angles / self.resolution) * self.resolution if self.resolution else angles
+        return np.rint(angles / self.resolution) * self.resolution if self.resolution else angles
 
 
 def read_servos(model: mujoco.MjModel, robot: RobotDescription) -> Servos:

@@ -59,6 +59,8 @@ class Footholds:
     def _take_over(self, now: int, drifts: Floats) -> None:
         """Note where a foot has landed beside one that stood before: the state's own drift is the same in both."""
         standing, dt = self._plan.standing[now], self._plan.cycle_s
+        if standing.all() and self._stood.min() >= SETTLE_S:
+            return
         landing = standing & (self._stood < SETTLE_S)
         if landing.any() and (standing & ~landing).any():
             settled = np.flatnonzero(standing & ~landing)[0]

@@ -31,7 +31,9 @@ def damped_shares(matrix: Floats, right: Floats, damping: float) -> Floats:
         damping: more than 0.
     """
     rows, columns = matrix.shape
-    free = matrix.T @ solve_definite(matrix @ matrix.T + damping**2 * np.eye(rows), right)
+    products = matrix @ matrix.T
+    products.flat[:: rows + 1] += damping**2
+    free = matrix.T @ solve_definite(products, right)
     if free.min() >= 0:
         return free
     return nnls(np.vstack([matrix, damping * np.eye(columns)]), np.concatenate([right, np.zeros(columns)]))[0]
