@@ -7,6 +7,7 @@ import subprocess
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,10 @@ def standing() -> StandingMaker:
     return make
 
 
+class BrowserError(Exception):
+    """The browser's own word on what it could not do."""
+
+
 class Chromium:
     """One page of a headless Chromium, driven over its DevTools protocol."""
 
@@ -82,16 +87,30 @@ class Chromium:
         """Save a PNG and return it as (height, width, 3) floats, 0 to 1."""
         import matplotlib.image
 
-        path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"]))
+        path.write_bytes(base64.b64decode(self._painted()))
         return matplotlib.image.imread(path)[..., :3]
+
+    def _painted(self) -> str:
+        """A PNG in base 64. On a busy machine the browser refuses pictures of a page that it has not painted yet."""
+        deadline = monotonic() + 120
+        while True:
+            try:
+                return self._call("Page.captureScreenshot", format="png")["data"]
+            except BrowserError:
+                if monotonic() > deadline:
+                    raise
+                sleep(0.5)
 
     def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
         self._calls += 1
         self._connection.send(json.dumps({"id": self._calls, "method": method, "params": parameters}))
         while True:
             answer = json.loads(self._connection.recv(timeout=120))
-            if answer.get("id") == self._calls:
-                return answer["result"]
+            if answer.get("id") != self._calls:
+                continue
+            if "error" in answer:
+                raise BrowserError(f"{method}: {answer['error']['message']}")
+            return answer["result"]
 
 
 @pytest.fixture
