@@ -162,7 +162,8 @@ class Generate(Command):
         self, generator: "MotionGenerator", sentences: list[tuple[str, tuple[str, ...]]]
     ) -> "tuple[HumanMotion, ...]":
         """The motions of the sentences and their segments, as the options ask for them."""
-        from generator.continuous import Continuation, concatenated
+        from generator.continuous import Continuation
+        from generator.ranges import concatenated
         from ros_free_stack.files import load_motion
 
         (prompt, segments), *_ = sentences

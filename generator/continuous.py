@@ -1,7 +1,7 @@
 """One motion after another: prompts are appended, and each goes on from where the last one ended."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,15 +34,3 @@ class Continuation:
         (chunk,) = self.generator.generate(prompt, segments, seed=seed, duration_s=duration_s, start=self.last)
         self.last, self.appended = chunk, self.appended + 1
         return chunk
-
-
-def concatenated(chunks: Sequence[HumanMotion]) -> HumanMotion:
-    """The chunks of a continuation as one motion."""
-    starts = np.cumsum([0.0, *(chunk.duration_s for chunk in chunks)])
-    segments = tuple(
-        replace(segment, start_s=segment.start_s + start, end_s=segment.end_s + start)
-        for chunk, start in zip(chunks, starts.tolist(), strict=False)
-        for segment in chunk.segments
-    )
-    joints = np.concatenate([chunk.joints for chunk in chunks])
-    return replace(chunks[0], joints=joints, prompt=", then ".join(chunk.prompt for chunk in chunks), segments=segments)

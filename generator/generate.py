@@ -13,7 +13,6 @@ from torch import nn
 from generator import weights
 from generator.config import (
     MAX_TOKENS,
-    MIN_FRAMES,
     TOKEN_FRAMES,
     DurationsConfig,
     Sampling,
@@ -27,6 +26,7 @@ from generator.models.mask_transformer import MaskTransformer
 from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
 from generator.probes.signals import Signals
+from generator.ranges import TOKEN_S, concatenated, replaced, token_range
 from generator.self_check import SelfCheck
 from generator.splice import placed
 from generator.surroundings import CONTEXT_TOKENS, Surroundings
@@ -34,6 +34,7 @@ from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import encode_segments
 from generator.text.understanding import DOMAIN
+from generator.timing import checked_durations, fitted, part_sizes
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, NoWeights
 from ros_free_stack.formats.features import decode
@@ -43,8 +44,6 @@ from ros_free_stack.skeleton import FPS
 WEIGHTS_FOLDER: Final = Path(__file__).parent / "weights"
 """The weights that come with the program."""
 
-TOKEN_S: Final = TOKEN_FRAMES / FPS
-MIN_S: Final = MIN_FRAMES / FPS
 CONTEXT_S: Final = CONTEXT_TOKENS * TOKEN_S
 
 Model = TypeVar("Model", bound=nn.Module)
@@ -112,6 +111,8 @@ class MotionGenerator:
     ) -> tuple[HumanMotion, ...]:
         """Generate motions; the same arguments give the same motions.
 
+        A sentence that takes longer than the models can see is generated in parts that go on from each other.
+
         Args:
             prompt: the whole sentence.
             segments: its 1 to 5 segment texts in temporal order; up to 4 with `start`.
@@ -123,22 +124,56 @@ class MotionGenerator:
         Raises:
             InvalidOption: a number is out of range, or `start` is too short or not at 20 frames a second.
         """
-        around = Surroundings.none()
-        if start is not None:
-            if len(start.joints) < CONTEXT_TOKENS * TOKEN_FRAMES:
-                raise InvalidOption(
-                    "start", f"lasts {start.duration_s:g} s, needs at least {CONTEXT_S:g} s to go on from"
-                )
-            around = Surroundings.of_range(start, len(start.joints), len(start.joints))
-        most = MAX_TOKENS - sum(around.tokens)
         _check(candidates, len(segments) + (start is not None), MAX_TOKENS)
         sampling = sampling or Sampling()
         noise = self._noise(seed)
-        if durations_s is None:
-            seconds = self._durations(segments, candidates, sampling.duration_spread, noise)
-            seconds = _fitted(seconds, duration_s, most * TOKEN_S)
-        else:
-            seconds = np.tile(_checked_durations(durations_s, len(segments), most * TOKEN_S), (candidates, 1))
+        most_s = (MAX_TOKENS - CONTEXT_TOKENS * (start is not None)) * TOKEN_S
+        if durations_s is not None:
+            seconds = np.tile(checked_durations(durations_s, len(segments), most_s), (candidates, 1))
+            return self._perform(prompt, segments, seconds, start, sampling, noise)
+        seconds = self._durations(segments, candidates, sampling.duration_spread, noise)
+        if duration_s is not None:
+            return self._perform(prompt, segments, fitted(seconds, duration_s, most_s), start, sampling, noise)
+        sizes = part_sizes(seconds.mean(axis=0).tolist(), most_s, MAX_TOKENS * TOKEN_S - CONTEXT_S)
+        if len(sizes) > 1:
+            return self._in_turn(prompt, segments, seconds, sizes, start, sampling, noise)
+        return self._perform(prompt, segments, seconds, start, sampling, noise)
+
+    def _in_turn(
+        self,
+        prompt: str,
+        segments: Sequence[str],
+        seconds: np.ndarray,
+        sizes: Sequence[int],
+        start: HumanMotion | None,
+        sampling: Sampling,
+        noise: torch.Generator,
+    ) -> tuple[HumanMotion, ...]:
+        """Motions of parts of a sentence; each part goes on from the one before."""
+        grown: list[list[HumanMotion]] = [[] for _ in seconds]
+        first = 0
+        for size in sizes:
+            texts, timing = segments[first : first + size], seconds[:, first : first + size]
+            for chunks, row in zip(grown, timing, strict=True):
+                last = chunks[-1] if chunks else start
+                chunks.extend(self._perform(", then ".join(texts), texts, row[None], last, sampling, noise))
+            first += size
+        return tuple(replace(concatenated(chunks), prompt=prompt) for chunks in grown)
+
+    def _perform(
+        self,
+        prompt: str,
+        segments: Sequence[str],
+        seconds: np.ndarray,
+        start: HumanMotion | None,
+        sampling: Sampling,
+        noise: torch.Generator,
+    ) -> tuple[HumanMotion, ...]:
+        """Motions of segments of such durations (candidates, A) in s, at once."""
+        around = _after(start)
+        most, longest = MAX_TOKENS - sum(around.tokens), float(seconds.sum(axis=1).max())
+        if longest > (most + 0.5) * TOKEN_S:
+            say(f"{prompt}: would take {longest:.1f} s; it is performed faster, within {most * TOKEN_S:g} s")
         lengths = [self._laid_out(whole_tokens(row, most=most)) for row in seconds]
         features = self._features(prompt, segments, lengths, around, sampling, noise)
         return tuple(
@@ -173,7 +208,7 @@ class MotionGenerator:
             InvalidOption: a number is out of range, or the motion is not at 20 frames a second.
         """
         frames = len(motion.joints)
-        first, last = _token_range(start_s, end_s, frames)
+        first, last = token_range(start_s, end_s, frames)
         around = Surroundings.of_range(motion, first, last)
         tokens = -(-(last - first) // TOKEN_FRAMES)
         _check(candidates, len(segments) + sum(count > 0 for count in around.tokens), MAX_TOKENS)
@@ -191,7 +226,7 @@ class MotionGenerator:
                 rest = placed(rest, rest[: len(follows)], follows)
             new = self._motion(middle[: last - first], prompt, segments, row, first == 0 and last == frames)
             joints = np.concatenate([motion.joints[:first], new.joints, rest])
-            edited.append(replace(new, joints=joints, segments=_replaced(motion, new, first / FPS, last / FPS)))
+            edited.append(replace(new, joints=joints, segments=replaced(motion, new, first / FPS, last / FPS)))
         return tuple(edited)
 
     def missing(self, motion: HumanMotion) -> tuple[str, ...]:
@@ -311,54 +346,10 @@ def _check(candidates: int, segments: int, tokens: int) -> None:
         raise InvalidOption("candidates", f"must be at least 1, found {candidates}")
 
 
-def _fitted(seconds: np.ndarray, total_s: float | None, max_s: float) -> np.ndarray:
-    """Predicted durations (candidates, A) that add up to `total_s`, or as they are where none is asked for."""
-    if total_s is not None:
-        if not MIN_S <= total_s <= max_s:
-            raise InvalidOption("duration", f"{total_s:g} s is outside of {MIN_S:g} to {max_s:g} s")
-        return seconds * (total_s / seconds.sum(axis=1, keepdims=True))
-    longest = seconds.sum(axis=1).max()
-    if longest > max_s:
-        say(f"the sentence would take {longest:.1f} s; it is performed faster, within {max_s:g} s")
-    return seconds
-
-
-def _token_range(start_s: float, end_s: float, frames: int) -> tuple[int, int]:
-    """First and last (excluded) frame of a range; rests too short for a token belong to it.
-
-    Raises:
-        InvalidOption: it is not inside of the motion, is all of it, or has not the length that the models take.
-    """
-    duration = frames / FPS
-    if not 0 <= start_s < end_s <= duration + 1e-9:
-        raise InvalidOption("range", f"{start_s:g} to {end_s:g} s is not a range of a motion of {duration:g} s")
-    first = round(start_s * FPS)
-    tokens = -(-(round(end_s * FPS) - first) // TOKEN_FRAMES)
-    if not 2 <= tokens <= MAX_TOKENS - 2 * CONTEXT_TOKENS:
-        least, most = 2 * TOKEN_S, (MAX_TOKENS - 2 * CONTEXT_TOKENS) * TOKEN_S
-        raise InvalidOption("range", f"must last {least:g} to {most:g} s, found {end_s - start_s:g} s")
-    last = first + tokens * TOKEN_FRAMES
-    first = first if first >= TOKEN_FRAMES else 0
-    last = last if frames - last >= TOKEN_FRAMES else frames
-    if (first, last) == (0, frames):
-        raise InvalidOption("range", f"{start_s:g} to {end_s:g} s is the whole motion; generate a new one instead")
-    return first, last
-
-
-def _replaced(motion: HumanMotion, new: HumanMotion, start_s: float, end_s: float) -> tuple[Segment, ...]:
-    """The motion's segments with those of `new` from `start_s` to `end_s`."""
-    before = [replace(s, end_s=min(s.end_s, start_s)) for s in motion.segments if s.start_s < start_s]
-    after = [replace(s, start_s=max(s.start_s, end_s)) for s in motion.segments if s.end_s > end_s]
-    middle = [Segment(s.text, s.start_s + start_s, min(s.end_s + start_s, end_s)) for s in new.segments]
-    return (*before, *middle, *after)
-
-
-def _checked_durations(durations_s: Sequence[float], count: int, max_s: float) -> np.ndarray:
-    seconds = np.asarray(durations_s, dtype=np.float64)
-    if seconds.shape != (count,):
-        raise InvalidOption("durations", f"{count} segments need as many durations, found {len(durations_s)}")
-    if not (np.isfinite(seconds).all() and (seconds > 0).all() and MIN_S <= round(seconds.sum(), 6) <= max_s):
-        raise InvalidOption(
-            "durations", f"must be positive and add up to {MIN_S:g} to {max_s:g} s, found {list(durations_s)}"
-        )
-    return seconds
+def _after(start: HumanMotion | None) -> Surroundings:
+    """What comes before a motion that goes on from another."""
+    if start is None:
+        return Surroundings.none()
+    if len(start.joints) < CONTEXT_TOKENS * TOKEN_FRAMES:
+        raise InvalidOption("start", f"lasts {start.duration_s:g} s, needs at least {CONTEXT_S:g} s to go on from")
+    return Surroundings.of_range(start, len(start.joints), len(start.joints))

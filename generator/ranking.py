@@ -1,12 +1,14 @@
 """Which of several motions for a sentence shows it best, by the evaluator of text and motion."""
 
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from generator.config import MAX_FRAMES
 from generator.evaluation.embedder import CorpusEmbedder
 from generator.generate import WEIGHTS_FOLDER
 from ros_free_stack.formats.features import encode
@@ -25,7 +27,28 @@ class Ranker:
         return cls(CorpusEmbedder.load(folder / "evaluator"))
 
     def distances(self, prompt: str, motions: Sequence[HumanMotion]) -> NDArray[np.float64]:
-        """(K,) distance of each motion to the sentence in the evaluator's space; less is better."""
-        features = [encode(motion.joints).astype(np.float32) for motion in motions]
-        text = self._embedder.sentences([prompt])
-        return np.linalg.norm(self._embedder.motions(features) - text, axis=1)
+        """(K,) distance of each motion to the sentence in the evaluator's space; less is better.
+
+        Of a motion that is longer than the evaluator sees, the mean over parts of whole segments.
+        """
+        parts = [_parts(prompt, motion) for motion in motions]
+        flat = [part for of_motion in parts for part in of_motion]
+        texts = self._embedder.sentences([text for text, _ in flat])
+        apart = np.linalg.norm(self._embedder.motions([features for _, features in flat]) - texts, axis=1)
+        return np.array([mean.mean() for mean in np.split(apart, np.cumsum([len(part) for part in parts])[:-1])])
+
+
+def _parts(prompt: str, motion: HumanMotion) -> list[tuple[str, NDArray[np.float32]]]:
+    """Sentence and features (T, 263) of as many whole segments at a time as the evaluator sees."""
+    features = encode(motion.joints).astype(np.float32)
+    if len(features) <= MAX_FRAMES:
+        return [(prompt, features)]
+    parts: list[tuple[str, NDArray[np.float32]]] = []
+    start, texts = 0, list[str]()
+    for segment, following in zip_longest(motion.segments, motion.segments[1:]):
+        texts.append(segment.text)
+        if following is None or round(following.end_s * motion.fps) - start > MAX_FRAMES:
+            end = round(segment.end_s * motion.fps)
+            parts.append((", then ".join(texts), features[start:end][:MAX_FRAMES]))
+            start, texts = end, []
+    return parts

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from generator.config import Sampling
-from generator.continuous import Continuation, concatenated
+from generator.continuous import Continuation
 from generator.data.actions import perform
 from generator.data.pose import joints
 from generator.data.scene import Scene
 from generator.generate import MotionGenerator
+from generator.ranges import concatenated
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion, Segment
@@ -59,6 +60,16 @@ def test_a_motion_goes_on_without_a_jump(generator: MotionGenerator, walk: Human
     edge = len(start.joints)
     assert speeds(whole)[edge - 3 : edge + 3].max() < 0.25
     assert bends(whole)[edge - 3 : edge + 1].max() < 0.1
+
+
+def test_parts_of_a_long_sentence_join_without_a_jump(generator: MotionGenerator) -> None:
+    texts = ("a person walks forward", "a person squats four times", "a person claps four times", "a person bows")
+    (motion,) = generator.generate(", then ".join(texts), texts, seed=0, sampling=QUICK)
+    assert motion.duration_s > 11
+    assert [segment.text for segment in motion.segments] == list(texts)
+    assert speeds(motion.joints).max() < 0.25
+    edges = [round(segment.end_s * 20) for segment in motion.segments[:-1]]
+    assert max(bends(motion.joints)[edge - 3 : edge + 1].max() for edge in edges) < 0.1
 
 
 def test_a_range_is_replaced_and_the_rest_kept(generator: MotionGenerator, walk: HumanMotion) -> None:

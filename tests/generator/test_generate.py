@@ -107,13 +107,39 @@ def test_unusable_numbers_are_refused(generator: MotionGenerator, arguments: dic
         generator.generate(PROMPT, SEGMENTS, seed=0, **arguments)
 
 
-def test_a_long_sentence_is_fitted_and_said(generator: MotionGenerator, capsys: pytest.CaptureFixture[str]) -> None:
-    slow = DurationModel(DurationsConfig(8)).eval()
-    for parameter in slow.network[-1].parameters():
-        torch.nn.init.constant_(parameter, 2.0 * (parameter.ndim == 1))  # e^2 = 7.4 s a segment
-    (motion,) = replace(generator, durations=slow).generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+def lasting(seconds: float) -> DurationModel:
+    """A model by which every segment takes so long."""
+    model = DurationModel(DurationsConfig(8)).eval()
+    last = model.network[-1]
+    assert isinstance(last, torch.nn.Linear)
+    torch.nn.init.zeros_(last.weight)
+    with torch.no_grad():
+        last.bias.copy_(torch.tensor([np.log(seconds), -9.0]))
+    return model
+
+
+def test_a_long_sentence_is_generated_in_parts(generator: MotionGenerator) -> None:
+    """Nothing is hurried, and no part begins with a jump."""
+    texts = (*SEGMENTS, "a person squats")
+    slow = replace(generator, durations=lasting(4.0))
+    motions = slow.generate(PROMPT, texts, seed=0, candidates=2, sampling=QUICK)
+    for motion in motions:
+        assert motion.prompt == PROMPT
+        assert [segment.text for segment in motion.segments] == list(texts)
+        assert [s.end_s - s.start_s for s in motion.segments] == pytest.approx([4.0, 4.0, 4.0], abs=0.9)
+        assert motion.duration_s == pytest.approx(motion.segments[-1].end_s)
+    assert motions[0].joints.tobytes() != motions[1].joints.tobytes()
+    again = slow.generate(PROMPT, texts, seed=0, candidates=2, sampling=QUICK)
+    assert [m.joints.tobytes() for m in again] == [m.joints.tobytes() for m in motions]
+
+
+def test_an_action_that_takes_too_long_is_hurried_and_said(
+    generator: MotionGenerator, capsys: pytest.CaptureFixture[str]
+) -> None:
+    slow = replace(generator, durations=lasting(12.0))
+    (motion,) = slow.generate(SEGMENTS[0], SEGMENTS[:1], seed=0, sampling=QUICK)
     assert motion.duration_s == pytest.approx(9.8)
-    assert "within 9.8 s" in capsys.readouterr().err
+    assert "performed faster, within 9.8 s" in capsys.readouterr().err
 
 
 @settings(max_examples=200, deadline=None)
