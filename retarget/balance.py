@@ -40,6 +40,10 @@ OFFSET_SMOOTHING = 0.7
 OFFSET_LIMIT = 0.3
 """Largest offset, as a share of the height of the centre of mass."""
 
+LONGEST_SHIFT = 0.05
+"""Lengths of a leg by which one pass moves the body: legs that hold flat feet bend too much for one solution that goes
+farther, and some, as without ankles that roll, cannot follow at all."""
+
 
 @dataclass(frozen=True)
 class Support:
@@ -119,6 +123,12 @@ def balanced_com(
     if solver.solve() != piqp.PIQP_SOLVED:
         return wanted
     return solver.result.x[: 2 * count].reshape(2, count).T.copy()
+
+
+def nearer(com: Floats, here: Floats, longest: float) -> Floats:
+    """(N, 2) `com` (N, 2), or what lies on the way to it from `here` (N, 2), nowhere farther than `longest`, m."""
+    farthest = float(np.linalg.norm(com - here, axis=1).max(initial=0.0))
+    return here + (com - here) * longest / max(farthest, longest)
 
 
 def _sole_corners(geometry: RobotGeometry, targets: Targets, shrink: float) -> Floats:

@@ -10,8 +10,8 @@ from retarget.frame_batch import BatchFunction
 from retarget.geometry import RobotGeometry
 from ros_free_stack.messages import Floats
 
-NEAR = 0.25
-"""Distance, in lengths of a limb, beyond which two limbs are left alone."""
+NEAR = 0.06
+"""Distance, in lengths of a leg, beyond which two limbs are left alone."""
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,9 @@ LANDING = 0.006
 """Height of a sole, in lengths of a leg, below which a swinging foot is led like one that stands, lest it scrapes."""
 CLEAR = 0.01
 """The same above which a swinging sole stays where the plan has it higher."""
-LOW = 0.1
-"""Height in lengths of a leg below which a corner of a swinging sole is kept above the floor."""
+NEAR = 0.06
+"""Height in lengths of a leg below which a corner of a swinging sole is kept above the floor: the next iteration sees
+what comes from higher up."""
 SMOOTHNESS = 10.0
 """Weight of a joint's change of step at `RATE` frames a second."""
 ROOT_SMOOTHNESS = (100.0, 100.0)
@@ -62,6 +63,7 @@ class Point:
         cost: without what `violation` counts.
         violation: distances in m and rad of held feet from their footholds, and by which soles are too low and limbs
             too near, all frames together.
+        worst: the same of the worst frame.
     """
 
     qpos: Floats
@@ -72,6 +74,7 @@ class Point:
     soft: SoftRows
     cost: float
     violation: float
+    worst: float
 
 
 class ClipProblem:
@@ -102,13 +105,14 @@ class ClipProblem:
         terms = self._model.terms({"qpos": qpos[:, None], **self._inputs})
         foot_error = np.linalg.norm(terms["foot_error"], axis=2).reshape(*self._held.shape, 2)
         soft = self._soft_rows(terms, self._model.clearance(qpos))
-        worst = np.zeros(len(qpos))
-        np.maximum.at(worst, soft.frame, soft.lower)
+        missing = np.zeros(len(qpos))
+        np.maximum.at(missing, soft.frame, soft.lower)
         slip = foot_error * self._held[..., None]
+        violation = missing + slip.sum(axis=(1, 2))
         tracking = terms["cost"].sum() - ((self._inputs["sole_weights"] * slip) ** 2).sum()
         posture = (self._posture * self._away(qpos) ** 2).sum()
         cost = float(tracking + posture + (self.smoothness * change**2).sum()) / 2
-        return Point(qpos, terms, foot_error, step, change, soft, cost, float(worst.sum() + slip.sum()))
+        return Point(qpos, terms, foot_error, step, change, soft, cost, float(violation.sum()), float(violation.max()))
 
     def quadratic(self, point: Point) -> Quadratic:
         """Gauss-Newton model of the frames' costs."""
@@ -156,7 +160,7 @@ class ClipProblem:
         """Swinging soles clear of the floor, limbs apart."""
         height = terms["height"][:, 0] - np.repeat(self._clear, CORNERS, axis=1)
         swinging = np.repeat(~self._held, CORNERS, axis=1)
-        frame, corner = np.nonzero(swinging & (height < LOW * self._length))
+        frame, corner = np.nonzero(swinging & (height < NEAR * self._length))
         frames = np.concatenate([frame, near.frame])
         jacobian = np.concatenate([terms["height_jacobian"][frame, corner], near.jacobian])
         jacobian[:, self._fixed] = 0.0

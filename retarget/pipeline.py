@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from retarget.balance import INSIDE_M, SHRINK, balanced_com, supports, zmp_excess
+from retarget.balance import INSIDE_M, LONGEST_SHIFT, SHRINK, balanced_com, nearer, supports, zmp_excess
 from retarget.dynamics import whole_body_dynamics
 from retarget.geometry import RobotGeometry, measure
 from retarget.held import held_targets, own_pace
@@ -23,7 +23,6 @@ from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
 BALANCE_PASSES = 3
-
 SolverName = Literal["clip", "frames"]
 Unsolved = tuple[tuple[int, int], ...]
 """Stretches of frames (start, end)."""
@@ -128,7 +127,8 @@ class Retargeter:
         for done in range(BALANCE_PASSES):
             if done and after.max() < INSIDE_M:
                 break
-            com = balanced_com(dynamics, wanted, inner, fps, com)
+            asked = balanced_com(dynamics, wanted, inner, fps, com)
+            com = nearer(asked, dynamics.centre_of_mass[:, :2], LONGEST_SHIFT * geometry.limb_length)
             shifted = targets.shifted(com - wanted)
             if self._clip is None:
                 solution = self._frames.solve(shifted, com)

@@ -22,7 +22,7 @@ from retarget.windows import LENGTH, windows
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.messages import Floats
 
-ITERATIONS, MOST = 4, 7
+ITERATIONS, MOST = 4, 10
 """Iterations after which what violates nothing is good enough, and after which the search ends."""
 TRUST = 0.3
 """Largest increment of one iteration, m and rad."""
@@ -30,8 +30,8 @@ SHORTEST_STEP = 0.1
 """Share of a step below which the search gives up."""
 GAIN = 0.05
 """Share of the cost that an iteration must gain for another one to follow."""
-TIGHT = 2e-5
-"""Mean violation of a frame, m or rad, that counts as none."""
+TIGHT, STRAY = 2e-5, 5e-4
+"""Mean violation of a frame, and of the worst one, m or rad, that counts as none."""
 LEVEL = 1e-3
 """Share by which cost and violation may grow from one point to the next: rounding, where nothing is left to gain."""
 
@@ -86,7 +86,7 @@ class ClipSolver:
         program = TrajectoryQP(stretch, self._geometry.dof_index, problem.smoothness)
         tried = Filter(count)
         tried.add(now.cost, now.violation)
-        bound, kept = 2 * first.violation + 5 * TIGHT * count, None
+        bound, kept, idle = 2 * first.violation + 5 * TIGHT * count, None, 0
         for done in range(1, MOST + 1):
             increments = program.solve(
                 problem.quadratic(now), now.changes, problem.box(now, TRUST), now.soft, problem.limits(now)
@@ -95,7 +95,9 @@ class ClipSolver:
             if then is None:
                 break
             tried.add(then.cost, then.violation)
-            firm = then.violation < TIGHT * count or then.violation > LESS * now.violation
+            # One program may bend what it mends; two say that no more can be mended.
+            idle = idle + 1 if then.violation > LESS * now.violation else 0
+            firm = idle > 1 or (then.violation < TIGHT * count and then.worst < STRAY)
             settled = now.cost - then.cost < GAIN * now.cost
             now = then
             if now.violation < bound:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from retarget.balance import Support, balanced_com, zmp_excess
+from retarget.balance import Support, balanced_com, nearer, zmp_excess
 from retarget.dynamics import Dynamics, whole_body_dynamics
 from retarget.geometry import measure
 from ros_free_stack.robots import load_robot
@@ -83,3 +83,9 @@ def test_flight_keeps_the_speed_over_the_floor():
     areas = [box(0, 40, (0.0, 0.0), 0.15), box(60, 100, (0.3, 0.0), 0.15)]
     com = balanced_com(pendulum(wanted, 0.3), wanted, areas, FPS)
     np.testing.assert_allclose(np.diff(com[41:59, 0], n=2), 0, atol=1e-6)
+
+
+def test_a_far_shift_is_shortened_as_a_whole_and_a_near_one_is_not():
+    here, there = np.zeros((5, 2)), np.linspace([0, 0], [0.3, 0.4], 5)
+    np.testing.assert_allclose(nearer(there, here, 0.1), there / 5)
+    np.testing.assert_array_equal(nearer(there, here, 0.6), there)
