@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import MIN_FRAMES, Checks, Window, find
+from generator.probes.measures import Measures
 from generator.probes.named import told
 from generator.probes.signals import Signals
 from generator.text.domain import Domain
@@ -24,6 +25,8 @@ from ros_free_stack.messages import HumanMotion
 
 ABSENT: Final = 4
 """Mistakes that a missing action counts as, more than all its details together."""
+FLIGHT: Final = 2
+"""Mistakes that leaving the floor counts as where no action does so: no robot could follow."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,14 @@ def mistakes(checks: Checks | None) -> int:
     if not checks.action:
         return ABSENT
     return sum(right is False for right in (checks.side, checks.count, checks.direction, checks.extent))
+
+
+def leaves_floor(signals: Signals, window: Window, parts: Sequence[Asked]) -> bool:
+    """Whether both feet do where nothing that is asked for makes them."""
+    probes = [PROBES[name] for part in parts for name in part.actions]
+    if not probes or any(probe.flies for probe in probes) or window[1] - window[0] < MIN_FRAMES:
+        return False
+    return Measures(signals, *window).body.flights > 0
 
 
 class SelfCheck:
@@ -77,6 +88,7 @@ class SelfCheck:
         return np.array(
             [
                 sum(mistakes(part.checks(signals, window)) for part in parts)
+                + FLIGHT * leaves_floor(signals, window, parts)
                 for window, parts in zip(windows, asked, strict=True)
             ]
         )
@@ -91,6 +103,8 @@ class SelfCheck:
                 wrong = _wrong(part.checks(signals, window))
                 if wrong:
                     lines.append(f"{segment.start_s:.1f} to {segment.end_s:.1f} s: {wrong} of `{part.clause}`")
+            if leaves_floor(signals, window, parts):
+                lines.append(f"{segment.start_s:.1f} to {segment.end_s:.1f} s: leaves the floor in `{segment.text}`")
         return tuple(lines)
 
 

@@ -65,6 +65,11 @@ class Probe:
     count: str = ""
     extent: Extent | None = None
 
+    @property
+    def flies(self) -> bool:
+        """Whether both feet leave the floor in this action."""
+        return any(self.bounds[name][0] > 0 for name in ("flights", "airborne") if name in self.bounds)
+
 
 @dataclass(frozen=True)
 class Finding:

@@ -11,9 +11,10 @@ from generator.data.scene import Scene
 from generator.generate import WEIGHTS_FOLDER
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import Details
+from generator.probes.measures import Measures
 from generator.probes.named import told
 from generator.probes.signals import Signals
-from generator.self_check import ABSENT, SelfCheck
+from generator.self_check import ABSENT, FLIGHT, SelfCheck
 from generator.text.encoder import TextEncoder
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
@@ -97,6 +98,30 @@ def test_what_is_missing_is_said(check: SelfCheck, text: str, wrong: str) -> Non
     (line,) = check.missing(shown)
     start, end = shown.segments[1].start_s, shown.segments[1].end_s
     assert line == f"{start:.1f} to {end:.1f} s: does not show the {wrong} of `{text}`"
+
+
+def test_feet_that_leave_the_floor_unasked_are_said(check: SelfCheck) -> None:
+    hop: tuple[str, dict[str, Any]] = ("jump", {"height": 0.2})
+    assert check.missing(motion(("a person jumps", hop))) == ()
+    shown = motion(("a person waves", WAVE_LEFT), ("a person bows", hop))
+    start, end = shown.segments[1].start_s, shown.segments[1].end_s
+    assert f"{start:.1f} to {end:.1f} s: leaves the floor in `a person bows`" in check.missing(shown)
+    windows = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in shown.segments]
+    asked = check.asked(["a person waves", "a person photosynthesises"])
+    assert check.mistakes(Signals.of(shown.joints), windows, asked).tolist() == [0, 0], (
+        "of the unknown nothing is asked"
+    )
+    asked = check.asked(["a person waves", "a person bows"])
+    assert check.mistakes(Signals.of(shown.joints), windows, asked).tolist() == [0, ABSENT + FLIGHT]
+
+
+@pytest.mark.parametrize("name", sorted(PROBES.keys() - {"stand_up"}))
+def test_actions_that_fly_do_and_others_do_not(name: str) -> None:
+    scene = Scene(seed=4)
+    end = perform(scene, name)
+    signals = Signals.of(poses.joints(scene.solve(tail=0.3)))
+    flights = Measures(signals, 0, min(len(signals), round(end * FPS))).body.flights
+    assert (flights > 0) == PROBES[name].flies
 
 
 def test_mistakes_of_each_segment(check: SelfCheck) -> None:
