@@ -24,7 +24,7 @@ SLACK_PRICE = 1e6
 TOLERANCE, GAP = 1e-6, 1e-2
 """Largest residuals of the conditions of optimality, and relative duality gap: the next program starts where this one
 ended, so only what is left of the rows counts."""
-UNIT = 0.1
+UNIT = 0.3
 """Increments in rad or m that are one to the solver: its first guess then lies as far from the bounds as they are."""
 WATCHED = 0.25
 """Share of a limited difference's range, from either end, in which a row for it is added when a joint missed one."""
