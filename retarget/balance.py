@@ -41,8 +41,7 @@ OFFSET_LIMIT = 0.3
 """Largest offset, as a share of the height of the centre of mass."""
 
 LONGEST_SHIFT = 0.05
-"""Lengths of a leg by which one pass moves the body: legs that hold flat feet bend too much for one solution that goes
-farther, and some, as without ankles that roll, cannot follow at all."""
+"""Lengths of a leg by which one pass moves a body that did not follow farther: where no ankle rolls, it hardly can."""
 
 
 @dataclass(frozen=True)
@@ -127,8 +126,8 @@ def balanced_com(
 
 def nearer(com: Floats, here: Floats, longest: float) -> Floats:
     """(N, 2) `com` (N, 2), or what lies on the way to it from `here` (N, 2), nowhere farther than `longest`, m."""
-    farthest = float(np.linalg.norm(com - here, axis=1).max(initial=0.0))
-    return here + (com - here) * longest / max(farthest, longest)
+    farthest = float(np.linalg.norm(com - here, axis=1).max())
+    return com if farthest <= longest else here + (com - here) * longest / farthest
 
 
 def _sole_corners(geometry: RobotGeometry, targets: Targets, shrink: float) -> Floats:

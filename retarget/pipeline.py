@@ -117,24 +117,28 @@ class Retargeter:
     ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
 
-        The dictionary holds (N,) how far it is outside `before` and `after`, m.
+        Once the clip solver has refused a stretch, the centre of mass moves by `LONGEST_SHIFT` a time at most, and by
+        half of that if it does so again. The dictionary holds (N,) how far the ZMP is outside, `before` and `after`, m.
         """
         geometry, fps = self._geometry, targets.fps
         wanted = solution.centre_of_mass[:, :2]
         inner, outer = (supports(geometry, targets, shrink) for shrink in (SHRINK, 1.0))
         dynamics, com = whole_body_dynamics(geometry, solution.qpos, fps), None
         before = after = zmp_excess(dynamics.zmp, outer)
+        longest = np.inf
         for done in range(BALANCE_PASSES):
             if done and after.max() < INSIDE_M:
                 break
-            asked = balanced_com(dynamics, wanted, inner, fps, com)
-            com = nearer(asked, dynamics.centre_of_mass[:, :2], LONGEST_SHIFT * geometry.limb_length)
+            # A body that was left where it was tells nothing of what it makes of a centre of mass.
+            asked = balanced_com(dynamics, wanted, inner, fps, None if unsolved else com)
+            com = nearer(asked, dynamics.centre_of_mass[:, :2], longest)
             shifted = targets.shifted(com - wanted)
             if self._clip is None:
                 solution = self._frames.solve(shifted, com)
             else:
                 found = self._clip.solve(shifted, solution.qpos, com)
                 solution, unsolved = found.solution, found.unsolved
+                longest = min(longest / 2, LONGEST_SHIFT * geometry.limb_length) if unsolved else longest
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
             after = zmp_excess(dynamics.zmp, outer)
         return solution, unsolved, {"before": before, "after": after}
