@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from retarget import whole_clip
+from retarget.balance import LONGEST_SHIFT
 from retarget.collision import Collision
 from retarget.geometry import measure
 from retarget.human import align
@@ -181,6 +182,24 @@ def test_says_where_it_found_nothing_better(steps, motions, monkeypatch):
     np.testing.assert_array_equal(found.solution.qpos, start.qpos)
     report = Retargeter(GEOMETRY.robot).retarget(motions["stand"], balance=False).report
     assert report.unsolved_s and report.unsolved_s[0][0] == 0.0
+
+
+def test_asks_less_of_a_body_that_does_not_follow(motions, monkeypatch):
+    shifts = []
+
+    def spy(solver, targets, start, com=None):
+        found = solve(solver, targets, start, com)
+        if com is not None:
+            shifts.append(np.linalg.norm(com - found.solution.centre_of_mass[:, :2], axis=1).max())
+        return found
+
+    solve = ClipSolver.solve
+    monkeypatch.setattr(whole_clip.TrajectoryQP, "solve", lambda *_: None)
+    monkeypatch.setattr(ClipSolver, "solve", spy)
+    Retargeter(GEOMETRY.robot).retarget(motions["steps"])
+    longest = LONGEST_SHIFT * GEOMETRY.limb_length
+    assert shifts[0] > longest
+    np.testing.assert_allclose(shifts[1:], [longest, longest / 2])
 
 
 def test_reports_joints_at_their_limits(steps):
