@@ -101,7 +101,9 @@ class ClipSolver:
             settled = now.cost - then.cost < GAIN * now.cost
             now = then
             if now.violation < bound:
-                kept = now
+                # Of points that cost about the same the one is kept that violates less.
+                if kept is None or now.violation < max(kept.violation, TIGHT * count) or now.cost < LESS * kept.cost:
+                    kept = now
                 if firm and (settled or done >= ITERATIONS):
                     break
         return None if kept is None else kept.qpos
