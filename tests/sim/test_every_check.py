@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
+from sim.checks.tracking import motor
 from sim.model import judging_model, size_scale
 from sim.playback import FallLimits, Playback, play, set_stage
 from sim.reference import Reference, make_reference
@@ -169,7 +170,7 @@ PLAYED: dict[str, Callable[[Reference, Playback], dict[str, object]]] = {
     "joint_velocity_error": lambda r, p: {"joint_vel": p.joint_vel + 1.5},
     "torque_peak": lambda r, p: {"needed": p.needed + 1.8 * r.robot.effort},
     "torque_saturation": lambda r, p: {"saturated": np.maximum(p.saturated, 0.5)},
-    "power_peak": lambda r, p: {"power": p.power + 61.0},
+    "power_peak": lambda r, p: {"power": p.power + 1.01 * motor(r).supply_power},
     "servo_heat": lambda r, p: {"heating": p.heating + 46.0},
 }
 
