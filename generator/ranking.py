@@ -41,8 +41,8 @@ class Ranker:
 def _parts(prompt: str, motion: HumanMotion) -> list[tuple[str, NDArray[np.float32]]]:
     """Sentence and features (T, 263) of as many whole segments at a time as the evaluator sees."""
     features = encode(motion.joints).astype(np.float32)
-    if len(features) <= MAX_FRAMES:
-        return [(prompt, features)]
+    if len(features) <= MAX_FRAMES or not motion.segments:
+        return [(prompt, features[:MAX_FRAMES])]
     parts: list[tuple[str, NDArray[np.float32]]] = []
     start, texts = 0, list[str]()
     for segment, following in zip_longest(motion.segments, motion.segments[1:]):

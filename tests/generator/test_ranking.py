@@ -46,6 +46,8 @@ def test_a_long_motion_is_compared_part_by_part() -> None:
     first = ranker.distances("a person squats, then a person waves", [replace(still, joints=still.joints[:161])])
     last = ranker.distances("a person bows", [replace(still, joints=still.joints[:81])])
     np.testing.assert_allclose(ranker.distances("of no matter", [still]), (first + last) / 2, rtol=1e-4)
+    untold, seen = replace(still, segments=()), replace(still, joints=still.joints[:197], segments=())
+    np.testing.assert_allclose(*(ranker.distances("a person bows", [motion]) for motion in (untold, seen)), rtol=1e-4)
 
 
 def test_an_evaluator_that_was_never_trained_is_named(tmp_path: Path) -> None:
