@@ -19,6 +19,7 @@ import tyro
 
 from generator import weights
 from generator.config import (
+    TOKEN_S,
     AlignmentKind,
     ConditioningKind,
     SegmentationKind,
@@ -39,7 +40,6 @@ from generator.training.segmentation_table import segmentation_table
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidFile, StackError, UnknownName
 from ros_free_stack.files import make_folder, write_json
-from ros_free_stack.skeleton import FPS
 
 SEGMENTATIONS: tuple[SegmentationKind, ...] = ("uniform", "change-point", "clustering", "exact")
 RESULT = "result.json"
@@ -188,7 +188,7 @@ def segmentation_rows(dataset: MotionDataset) -> list[tuple[str, float, float, f
     true, rows = segmentation_table(dataset, "exact")[chosen], []
     for kind in SEGMENTATIONS:
         found = segmentation_table(dataset, kind)[chosen]
-        errors = boundary_errors(found, true) * 4 / FPS
+        errors = boundary_errors(found, true) * TOKEN_S
         rows.append((kind, boundary_iou(found, true)[true > 0].mean(), errors.mean(), errors.var()))
     return rows
 

@@ -26,9 +26,9 @@ import torch
 import tyro
 
 from benchmarks.speed_variants import VARIANTS
-from generator.config import MAX_TOKENS, Sampling
+from generator.config import MAX_TOKENS, TOKEN_S, Sampling
 from generator.foot_lock import lock_feet
-from generator.generate import TOKEN_S, WEIGHTS_FOLDER, MotionGenerator
+from generator.generate import WEIGHTS_FOLDER, MotionGenerator
 from generator.models.conditioning import Condition, uniform_lengths
 from generator.text.counts import segment_counts
 from generator.text.domain import Domain

@@ -16,10 +16,11 @@ import torch
 import tyro
 from torch import Tensor
 
+from generator.config import TOKEN_S
 from generator.data.dataset import Clip, LabelledSegment, MotionDataset
 from generator.generate import WEIGHTS_FOLDER
 from generator.grounding.consistency import consistency, recall
-from generator.grounding.search import TOKEN_S, ground
+from generator.grounding.search import ground
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.models.segmentation import boundary_iou

@@ -7,12 +7,14 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, TypeVar
 
 from ros_free_stack.errors import NoWeights, UnknownName
+from ros_free_stack.skeleton import FPS
 
 FEATURES = 263
 TEXT_WIDTH = 384
 MAX_SEGMENTS = 5
 MIN_FRAMES, MAX_FRAMES = 40, 196
 TOKEN_FRAMES = 4
+TOKEN_S = TOKEN_FRAMES / FPS
 MIN_TOKENS, MAX_TOKENS = MIN_FRAMES // TOKEN_FRAMES, MAX_FRAMES // TOKEN_FRAMES
 
 Config = TypeVar("Config")

@@ -14,6 +14,7 @@ from generator import weights
 from generator.config import (
     MAX_TOKENS,
     TOKEN_FRAMES,
+    TOKEN_S,
     DurationsConfig,
     Sampling,
     TokenizerConfig,
@@ -26,7 +27,7 @@ from generator.models.mask_transformer import MaskTransformer
 from generator.models.residual_transformer import ResidualTransformer
 from generator.models.tokenizer import MotionTokenizer
 from generator.probes.signals import Signals
-from generator.ranges import TOKEN_S, concatenated, replaced, token_range
+from generator.ranges import concatenated, replaced, token_range
 from generator.self_check import SelfCheck
 from generator.splice import placed
 from generator.surroundings import CONTEXT_TOKENS, Surroundings

@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
 
 import numpy as np
 
-from generator.config import MAX_TOKENS, TOKEN_FRAMES
+from generator.config import MAX_TOKENS, TOKEN_FRAMES, TOKEN_S
 from generator.surroundings import CONTEXT_TOKENS
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
-
-TOKEN_S: Final = TOKEN_FRAMES / FPS
 
 
 def token_range(start_s: float, end_s: float, frames: int) -> tuple[int, int]:

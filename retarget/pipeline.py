@@ -23,6 +23,7 @@ from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
 BALANCE_PASSES = 3
+
 SolverName = Literal["clip", "frames"]
 Unsolved = tuple[tuple[int, int], ...]
 """Stretches of frames (start, end)."""

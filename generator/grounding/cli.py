@@ -29,8 +29,9 @@ class Ground(Command):
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
+        from generator.config import TOKEN_S
         from generator.generate import WEIGHTS_FOLDER
-        from generator.grounding.search import TOKEN_S, ground, similarity_map
+        from generator.grounding.search import ground, similarity_map
         from generator.grounding.space import AlignedSpace
         from generator.text.encoder import TextEncoder
         from generator.text.meanwhile import encode_segments
@@ -75,8 +76,8 @@ class Caption(Command):
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
+        from generator.config import TOKEN_S
         from generator.generate import WEIGHTS_FOLDER
-        from generator.grounding.search import TOKEN_S
         from generator.grounding.space import AlignedSpace
         from generator.grounding.texts import KnownTexts
         from ros_free_stack.errors import InvalidOption

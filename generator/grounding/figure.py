@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.grounding.search import TOKEN_S, Found
+from generator.config import TOKEN_S
+from generator.grounding.search import Found
 from ros_free_stack.files import atomic_path
 
 

@@ -6,12 +6,10 @@ from typing import Final
 import numpy as np
 from torch import Tensor
 
-from generator.config import TOKEN_FRAMES
+from generator.config import TOKEN_S
 from generator.grounding.space import SHORTEST_TOKENS, AlignedSpace
 from ros_free_stack.errors import InvalidOption
-from ros_free_stack.skeleton import FPS
 
-TOKEN_S = TOKEN_FRAMES / FPS
 BACKGROUND: Final = 0.4
 """Similarity of a window that is not the text's, chosen on validation clips: less and windows of single texts grow too
 long, more and those of several in order grow too short."""

@@ -9,11 +9,11 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, TokenizerConfig, TransformerConfig
+from generator.config import PRESETS, TOKEN_S, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
 from generator.grounding.cli import Caption, Ground
 from generator.grounding.consistency import consistency, paired_segments, recall
-from generator.grounding.search import BACKGROUND, TOKEN_S, ground, similarity_map
+from generator.grounding.search import BACKGROUND, ground, similarity_map
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.training.batches import TokenBatches, TokenCorpus
