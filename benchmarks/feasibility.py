@@ -10,7 +10,9 @@ from pathlib import Path
 
 import tyro
 
-from launch import Candidate, Pipeline, Timings
+from pipeline.candidate import Candidate
+from pipeline.pipeline import Pipeline
+from pipeline.timings import Timings
 from ros_free_stack.console import progress, say
 from ros_free_stack.files import make_folder, write_text
 from ros_free_stack.robots import load_robot

@@ -14,7 +14,8 @@ from time import perf_counter
 import tyro
 
 import launch
-from launch import Pipeline, Timings
+from pipeline.pipeline import Pipeline
+from pipeline.timings import Timings
 from ros_free_stack.robots import load_robot
 
 COLD = "a person waves with the right hand"

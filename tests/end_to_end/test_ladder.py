@@ -15,6 +15,7 @@ import launch
 from generator.data.actions import perform
 from generator.data.pose import joints
 from generator.data.scene import Scene
+from pipeline.pipeline import Pipeline
 from ros_free_stack.files import load_motion, load_trajectory, load_verdict, save_motion
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.skeleton import FPS
@@ -84,9 +85,9 @@ def test_a_jump_fails_on_every_rung_and_each_is_named(folder, tmp_path, capsys):
 @pytest.mark.parametrize("repair", [True, False])
 def test_a_run_repairs_unless_told_not_to(repair, tmp_path, monkeypatch, capsys):
     kick = authored("kick", speed=2.5)
-    monkeypatch.setattr(launch.Pipeline, "segments", lambda *_, **__: (("a person kicks",), True))
-    monkeypatch.setattr(launch.Pipeline, "generate", lambda *_, **__: (kick,))
-    monkeypatch.setattr(launch.Pipeline, "distances", lambda *_: [0.0])
+    monkeypatch.setattr(Pipeline, "segments", lambda *_, **__: (("a person kicks",), True))
+    monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (kick,))
+    monkeypatch.setattr(Pipeline, "distances", lambda *_: [0.0])
     switch = "--repair" if repair else "--no-repair"
     code = launch.main(["run", "a person kicks", switch, "--no-video", "--json", "--out", str(tmp_path)])
     notes = json.loads(capsys.readouterr().out)["verdict"]["notes"]

@@ -1,0 +1,143 @@
+"""Text to verdict for one robot: understanding, generator, retargeter and judge, called in this order and no other."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pipeline.candidate import Candidate
+from pipeline.timings import Timings
+from ros_free_stack.console import progress, say
+from ros_free_stack.messages import HumanMotion, Mount, RobotTrajectory
+from ros_free_stack.robots import RobotDescription
+
+if TYPE_CHECKING:
+    from generator.generate import MotionGenerator
+    from generator.text.encoder import TextEncoder
+    from retarget.report import RetargetReport
+    from sim.verdict import Judgement
+
+Stage = TypeVar("Stage")
+
+
+class Pipeline:
+    """Text understanding, generator, retargeter and judge for one robot; models load once, for many prompts."""
+
+    def __init__(
+        self, robot: RobotDescription, *, llm: str | None = None, llm_model: str = "qwen3:8b", mount: Mount = "free"
+    ) -> None:
+        self.robot, self.llm, self.llm_model = robot, llm, llm_model
+        self.mount: Mount = mount
+        self._stages: dict[str, Any] = {}
+
+    def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
+        """The segment texts of a prompt in temporal order, and whether the model knows them all.
+
+        Raises:
+            InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
+            OutOfDomain: a segment is unknown to the model, unless `anyway`.
+        """
+        from generator.generate import WEIGHTS_FOLDER
+        from generator.text.understanding import Understanding, segmenter
+
+        understanding = self._stage(
+            "understanding",
+            lambda: Understanding(WEIGHTS_FOLDER, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
+        )
+        understood = understanding.read(prompt, anyway=anyway)
+        for note in understood.notes:
+            say(note)
+        return understood.segments, understood.known
+
+    def generate(
+        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int
+    ) -> tuple[HumanMotion, ...]:
+        """Human motions for a prompt."""
+        return self._generator.generate(prompt, segments, seed=seed, candidates=candidates)
+
+    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
+        """What a motion does not show of its segments' texts."""
+        return self._generator.missing(motion)
+
+    def distances(self, prompt: str, motions: tuple[HumanMotion, ...]) -> list[float]:
+        """How far each motion is from its sentence."""
+        from generator.ranking import Ranker
+
+        return self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+
+    def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
+        """The robot's trajectory of a human motion, and what had to be given up."""
+        from retarget.pipeline import Retargeter
+
+        retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
+        result = retargeter.retarget(motion)
+        return result.trajectory, result.report
+
+    def judge(self, trajectory: RobotTrajectory) -> "Judgement":
+        """The verdict on a trajectory, with its playback."""
+        from sim.verdict import judge
+
+        return judge(trajectory, self.robot, mount=self.mount)
+
+    def repair(self, candidate: Candidate) -> Candidate:
+        """The candidate, or what the ladder of other controllers and gentler motions makes of it."""
+        from sim.repair import repair
+
+        reports = {candidate.trajectory.digest: candidate.report}
+
+        def retarget(motion: HumanMotion) -> RobotTrajectory:
+            trajectory, reports[trajectory.digest] = self.retarget(motion)
+            return trajectory
+
+        found = repair(candidate.trajectory, self.robot, motion=candidate.motion, retarget=retarget, mount=self.mount)
+        motion = found.motion or candidate.motion
+        return Candidate(
+            motion,
+            candidate.missing,
+            candidate.distance,
+            found.trajectory,
+            reports[found.trajectory.digest],
+            found.judgement,
+        )
+
+    def candidates(
+        self,
+        prompt: str,
+        segments: tuple[str, ...],
+        *,
+        seed: int,
+        candidates: int,
+        timings: Timings,
+        repair: bool = False,
+    ) -> tuple[Candidate, ...]:
+        """Generate, retarget and judge; the preferred candidate comes first, repaired where none passes."""
+        with timings.measure("generate"):
+            motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
+            shown = [(motion, self.missing(motion)) for motion in motions]
+            distances = self.distances(prompt, motions)
+        found: list[Candidate] = []
+        pairs = zip(shown, distances, strict=True)
+        for (motion, missing), distance in progress(pairs, "retarget and judge", total=len(motions)):
+            with timings.measure("retarget"):
+                trajectory, report = self.retarget(motion)
+            with timings.measure("validate"):
+                found.append(Candidate(motion, missing, distance, trajectory, report, self.judge(trajectory)))
+        found.sort(key=lambda candidate: candidate.order)
+        if repair and not found[0].judgement.passed:
+            with timings.measure("repair"):
+                found[0] = self.repair(found[0])
+        return tuple(found)
+
+    @property
+    def _generator(self) -> "MotionGenerator":
+        from generator.generate import MotionGenerator
+
+        return self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
+
+    def _encoder(self) -> "TextEncoder":
+        from generator.text.encoder import TextEncoder
+
+        return self._stage("encoder", TextEncoder)
+
+    def _stage(self, name: str, make: Callable[[], Stage]) -> Stage:
+        if name not in self._stages:
+            self._stages[name] = make()
+        return self._stages[name]

@@ -1,0 +1,205 @@
+"""The `run` subcommand: a sentence to a run folder, and on request to servos."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from pipeline.candidate import Candidate
+from pipeline.pipeline import Pipeline
+from pipeline.timings import Timings
+from ros_free_stack.console import Command, say
+from ros_free_stack.errors import InvalidOption
+from ros_free_stack.robots import RobotDescription, load_robot
+
+MAX_CANDIDATES = 64
+TELEMETRY = "telemetry.npz"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Command):
+    """Turn a sentence into a robot's motion: generate, retarget, judge, draw, and stream on request.
+
+    The exit code is 0 if a candidate passed every check, 3 if none did (the report says why).
+
+    Examples:
+        python launch.py run "a person waves with the right hand" --out out/
+        python launch.py run "walks forward, then bows" --robot g1 --candidates 8 --seed 3
+        python launch.py run "squats twice" --servo sim --json
+        python launch.py run "claps" --servo /dev/ttyUSB0
+        python launch.py run "waves" --servo /dev/ttyUSB0,/dev/ttyUSB1 --mount fixed --dry-run
+    """
+
+    prompt: Annotated[str, tyro.conf.Positional]
+    """What the robot should do, in English."""
+    robot: str = "op3"
+    """Robot by name; `launch.py robots list` shows them."""
+    out: Path = Path("out/run")
+    """Run folder: motion, trajectory, verdict, telemetry of a stream, report.html, video.mp4."""
+    seed: int = 0
+    """Seed of all randomness: the same seed gives the same motion."""
+    candidates: int = 4
+    """How many motions to try; the best feasible one is kept."""
+    repair: bool = True
+    """Where no candidate passes, try whole-body control and a slower or smaller motion of the best one."""
+    servo: str | None = None
+    """Stream the result: `sim` for a virtual bus, or a serial port such as /dev/ttyUSB0 (several with commas)."""
+    dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Check everything and read the servos, but write nothing to them."""
+    mount: Literal["free", "fixed"] = "free"
+    """`fixed` for a robot held by its root: floor and balance do not count, and only such a robot may play it."""
+    joints: tuple[str, ...] | None = None
+    """Stream only these joints, on a rig that has only these; the others are skipped."""
+    calibration: Path | None = None
+    """Servo directions, zeros and ranges (.yaml), as `servos calibrate` writes it."""
+    video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
+    anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Try a sentence outside what the model knows."""
+    llm: str | None = None
+    """Let a language model split the sentence: base address of an OpenAI-compatible endpoint."""
+    llm_model: str = "qwen3:8b"
+    """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
+
+    def run(self) -> int:
+        from ros_free_stack.files import make_folder
+
+        if not 1 <= self.candidates <= MAX_CANDIDATES:
+            raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
+        robot = load_robot(self.robot)
+        if self.servo is not None:
+            from hw.stream import check_port
+
+            check_port(self.servo, robot, joints=self.joints, calibration=self.calibration)
+        elif self.dry_run or self.joints or self.calibration:
+            raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
+        timings = Timings()
+        pipeline = Pipeline(robot, llm=self.llm, llm_model=self.llm_model, mount=self.mount)
+        with timings.measure("text"):
+            segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
+        make_folder(self.out)
+        found = pipeline.candidates(
+            self.prompt,
+            segments,
+            seed=self.seed,
+            candidates=self.candidates,
+            timings=timings,
+            repair=self.repair,
+        )
+        best = found[0]
+        files = self._save(best, timings)
+        try:
+            servo = self._stream(best, robot, timings)
+        finally:
+            # A stream that a fault ended is the one whose plots are wanted most.
+            files |= self._report(best, robot, timings)
+        verdict = best.judgement.verdict
+        result = {
+            "prompt": self.prompt,
+            "robot": robot.name,
+            "seed": self.seed,
+            "segments": [asdict(segment) for segment in best.motion.segments],
+            "in_domain": in_domain,
+            "candidates": [candidate.as_dict() for candidate in found],
+            "retarget": best.report.as_dict(),
+            "verdict": {
+                "passed": verdict.passed,
+                "checks": [asdict(check) for check in verdict.checks],
+                "notes": list(verdict.notes),
+            },
+            "servo": servo,
+            "timings_s": {stage: round(seconds, 3) for stage, seconds in timings.seconds.items()},
+            "files": files,
+        }
+        self.report(result, *self._words(best, found, servo))
+        return 0 if verdict.passed else 3
+
+    def _save(self, best: Candidate, timings: Timings) -> dict[str, str]:
+        """Write motion, trajectory and verdict; what an earlier run left there must not pass for this one's."""
+        from ros_free_stack.files import save_motion, save_trajectory, save_trajectory_csv, save_verdict
+
+        for name in ("video.mp4", TELEMETRY):
+            (self.out / name).unlink(missing_ok=True)
+        with timings.measure("report"):
+            save_motion(self.out / "human_motion.npz", best.motion)
+            save_trajectory(self.out / "trajectory.npz", best.trajectory)
+            save_trajectory_csv(self.out / "trajectory.csv", best.trajectory)
+            save_verdict(self.out / "verdict.json", best.judgement.verdict)
+        return self._files("human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json")
+
+    def _report(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
+        """Write report and video, with what the servos did where there was a stream."""
+        from ros_free_stack.files import load_telemetry
+        from sim.report import write_report
+
+        path = self.out / TELEMETRY
+        telemetry = load_telemetry(path) if path.exists() else None
+        names = ["report.html", *([TELEMETRY] if telemetry else [])]
+        with timings.measure("report"):
+            write_report(self.out, best.motion, best.trajectory, best.judgement, robot, telemetry=telemetry)
+        if self.video:
+            with timings.measure("video"):
+                names += self._video(best, robot)
+        return self._files(*names)
+
+    def _files(self, *names: str) -> dict[str, str]:
+        return {name: str(self.out / name) for name in names}
+
+    def _video(self, best: Candidate, robot: RobotDescription) -> list[str]:
+        from ros_free_stack.errors import MissingDependency
+        from sim.render import render_video
+
+        try:
+            render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot, best.motion)
+        except MissingDependency as error:
+            say(f"no video: {error}")
+            return []
+        return ["video.mp4"]
+
+    def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
+        if self.servo is None:
+            return None
+        if not best.judgement.passed:
+            say("nothing is streamed: no candidate passed")
+            return None
+        if best.judgement.verdict.controller == "wbc":
+            say("nothing is streamed: only whole-body control keeps the robot up, and the servo driver has none")
+            return None
+        from hw.stream import stream
+
+        with timings.measure("servo"):
+            report = stream(
+                best.trajectory,
+                best.judgement.verdict,
+                robot,
+                port=self.servo,
+                telemetry=self.out / TELEMETRY,
+                dry_run=self.dry_run,
+                calibration=self.calibration,
+                joints=self.joints,
+                mount=self.mount,
+            )
+        if report.skipped:
+            say(f"skipped, not on this rig: {', '.join(report.skipped)}")
+        return report.as_dict()
+
+    def _words(self, best: Candidate, found: tuple[Candidate, ...], servo: dict[str, Any] | None) -> Iterator[str]:
+        verdict = best.judgement.verdict
+        for segment in best.motion.segments:
+            yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
+        yield from (f"not as asked: {line}" for line in best.missing)
+        feasible = sum(candidate.judgement.passed for candidate in found)
+        yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
+        yield from (note for note in verdict.notes if note.startswith(("changed", "tried")))
+        for check in verdict.failures:
+            yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
+        if servo is not None and self.dry_run:
+            yield f"servos: dry run, {servo['joints']} servos on {servo['port']} are ready, nothing was written"
+        elif servo is not None:
+            yield (
+                f"servos: {servo['cycles']} cycles at {servo['rate_hz']:.1f} Hz, "
+                f"jitter p99 {servo['jitter_p99_ms']:.2f} ms, {len(servo['errors'])} errors"
+            )
+        yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
+        yield f"report: {self.out / 'report.html'}"
