@@ -24,6 +24,7 @@ import tyro
 
 from hw.cycle import Reading
 from hw.driver import Driver
+from hw.gate import DRIVEN
 from hw.protocol import BROADCAST, Packet
 from hw.resample import resample
 from hw.rig import Rig
@@ -35,8 +36,9 @@ from hw.virtual.network import Network, Reply
 from hw.virtual.servo import Servo
 from ros_free_stack.errors import HardwareFault
 from ros_free_stack.files import save_trajectory, save_verdict, write_text
-from ros_free_stack.messages import Check, Floats, RobotTrajectory, Verdict
+from ros_free_stack.messages import Floats, RobotTrajectory, Verdict
 from ros_free_stack.robots import ServoSafety, load_robot
+from sim.verdict import judge
 
 ROOT = Path(__file__).parents[1]
 DOCUMENT = ROOT / "docs" / "hardware.md"
@@ -68,9 +70,8 @@ def swing(seconds: float) -> RobotTrajectory:
 
 
 def judged(trajectory: RobotTrajectory) -> Verdict:
-    """A verdict that lets the trajectory pass."""
-    check = Check("joint_range", 0.0, "rad", 1.0, True)
-    return Verdict(trajectory.robot, trajectory.model_sha256, trajectory.digest, (check,), physics=True)
+    """The verdict on a robot that hangs from a stand."""
+    return judge(trajectory, ROBOT, mount="fixed", controller=DRIVEN).verdict
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def endings(servos: dict[int, Servo]) -> tuple[str, bool]:
 def play(bus: VirtualBus, trajectory: RobotTrajectory, safety: ServoSafety) -> tuple[str, int]:
     """Stream; return what the driver did, and its number of cycles (0 where it stopped early)."""
     try:
-        report = stream(trajectory, judged(trajectory), ROBOT, port=bus.port, safety=safety)
+        report = stream(trajectory, judged(trajectory), ROBOT, port=bus.port, safety=safety, mount="fixed")
     except HardwareFault as fault:
         return f"{type(fault).__name__}: {fault}", 0
     lost = f", {report.lost_replies} readings lost and asked for again" if report.lost_replies else ""
@@ -173,7 +174,7 @@ def host(bus: VirtualBus, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
     trajectory = swing(60)
     save_trajectory(folder / "trajectory.npz", trajectory)
     save_verdict(folder / "verdict.json", judged(trajectory))
-    files = [str(folder / "trajectory.npz"), str(folder / "verdict.json"), "--servo", bus.port]
+    files = [str(folder / "trajectory.npz"), str(folder / "verdict.json"), "--servo", bus.port, "--mount", "fixed"]
     with subprocess.Popen([sys.executable, "-c", STREAM, *files], cwd=ROOT, stderr=subprocess.DEVNULL) as process:
         while len(bus.servo(VICTIM).goals) < 150:
             if process.poll() is not None:

@@ -27,15 +27,16 @@ from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import load_trajectory, make_folder, save_trajectory, write_text
 from ros_free_stack.messages import Check, ControllerName, HumanMotion, RobotTrajectory
+from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription, load_robot
 from ros_free_stack.skeleton import FPS
+from ros_free_stack.thresholds import load_thresholds
 from sim.controllers import CONTROLLERS
-from sim.model import judging_model, size_scale
+from sim.model import judging_model
 from sim.playback import FallLimits, Stage, play, set_stage
 from sim.reference import Reference, make_reference
 from sim.repair import BALANCE_CHECKS
 from sim.robustness import draw, wilson
-from sim.thresholds import load_thresholds
 from sim.verdict import kinematic_checks, playback_checks
 
 CLASSES: Final = {

@@ -14,7 +14,9 @@ from sim.verdict import judge
 
 def main(path: Path) -> None:
     trajectory = load_trajectory(path)
-    judgement = judge(trajectory, load_robot(trajectory.robot))
+    robot = load_robot(trajectory.robot)
+    # Servos get plain angles from the driver, so that is what they are judged by; other robots may use feedback.
+    judgement = judge(trajectory, robot, controller="pd" if robot.servos else "default")
     for check in judgement.verdict.checks:
         mark = "pass" if check.passed else "FAIL"
         print(

@@ -10,13 +10,13 @@ import numpy as np
 
 from hw.calibration import load_calibration
 from hw.driver import Driver
+from hw.gate import check_verdict
 from hw.resample import Goals, resample
 from hw.rig import Rig
 from hw.servos import open_ports
 from hw.telemetry import Recording
 from hw.virtual.bus import VirtualBus
 from ros_free_stack.console import say
-from ros_free_stack.errors import ModelMismatch, UnsafeCommand
 from ros_free_stack.files import make_folder, save_telemetry
 from ros_free_stack.messages import Mount, RobotTrajectory, Verdict
 from ros_free_stack.rate import RateStatistics
@@ -99,7 +99,7 @@ def stream(
 
     Args:
         trajectory: of this robot.
-        verdict: passing, with physics, of this very trajectory.
+        verdict: passing, of this very trajectory, for what the driver will do (`hw.gate`).
         robot: must have servos.
         port: serial port, several with commas between them, or "sim" for an emulated bus.
         telemetry: `.npz` file for what was commanded and measured; also written when a fault ends the stream.
@@ -111,7 +111,7 @@ def stream(
         at_end: whether the servos go limp or hold at the end.
 
     Raises:
-        UnsafeCommand: no passing verdict of this trajectory, model and mount, or the motion breaks a limit.
+        UnsafeCommand: the verdict is none for what the driver would do, or the motion breaks a limit.
         ModelMismatch: robot, trajectory and servos do not belong together.
         InvalidFile: the calibration cannot be read, or the telemetry not be written; said before anything moves.
         HardwareFault: port, bus or servo failed; the servos were stopped.
@@ -142,35 +142,6 @@ def stream(
             if telemetry is not None and recording.cycles:
                 save_telemetry(telemetry, recording.message())
         return _report(driver, port, mount, goals, recording, dry_run=False)
-
-
-def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription, mount: Mount) -> None:
-    """Refuse what was not judged feasible for this robot, as it stands.
-
-    Raises:
-        ModelMismatch: the trajectory was made for another robot or model.
-        UnsafeCommand: the verdict did not pass, was made without physics, or is of another trajectory, model or mount.
-    """
-    if trajectory.robot != robot.name or trajectory.model_sha256 != robot.sha256:
-        raise ModelMismatch(
-            f"the trajectory was made for {trajectory.robot} (model {trajectory.model_sha256[:12]}), "
-            f"not for this {robot.name} (model {robot.sha256[:12]}): retarget and judge it again"
-        )
-    if verdict.trajectory_digest != trajectory.digest or verdict.model_sha256 != robot.sha256:
-        raise UnsafeCommand("the verdict is of another trajectory or model: judge this trajectory first")
-    if not verdict.passed:
-        failed = ", ".join(check.name for check in verdict.failures) or "it holds no check"
-        raise UnsafeCommand(f"the verdict did not pass ({failed}): only a feasible motion is streamed")
-    if not verdict.physics:
-        raise UnsafeCommand("the verdict was made without physics: judge the trajectory with its playback")
-    if verdict.controller == "wbc":
-        raise UnsafeCommand(
-            "the verdict holds for whole-body control, which servos do not do: judge with `--controller default`"
-        )
-    if verdict.mount == "fixed" and mount == "free":
-        raise UnsafeCommand(
-            "the verdict is for a robot held by its root, whose balance nobody judged: hang it up and use --mount fixed"
-        )
 
 
 def check_port(

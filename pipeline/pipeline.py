@@ -1,13 +1,15 @@
 """Text to verdict for one robot: understanding, generator, retargeter and judge, called in this order and no other."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pipeline.candidate import Candidate
 from pipeline.timings import Timings
 from ros_free_stack.console import progress, say
-from ros_free_stack.messages import HumanMotion, Mount, RobotTrajectory
+from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
+from ros_free_stack.skeleton import FPS
 
 if TYPE_CHECKING:
     from generator.generate import MotionGenerator
@@ -22,10 +24,25 @@ class Pipeline:
     """Text understanding, generator, retargeter and judge for one robot; models load once, for many prompts."""
 
     def __init__(
-        self, robot: RobotDescription, *, llm: str | None = None, llm_model: str = "qwen3:8b", mount: Mount = "free"
+        self,
+        robot: RobotDescription,
+        *,
+        llm: str | None = None,
+        llm_model: str = "qwen3:8b",
+        mount: Mount = "free",
+        controller: ControllerName | None = None,
     ) -> None:
+        """
+        Args:
+            robot: what is commanded.
+            llm: base address of a language model that splits sentences; None takes the grammar.
+            llm_model: its name.
+            mount: whether the robot stands free or is held by its root.
+            controller: the one that will move the robot; None judges by `default`, and repair may try others.
+        """
         self.robot, self.llm, self.llm_model = robot, llm, llm_model
         self.mount: Mount = mount
+        self.controller: ControllerName | None = controller
         self._stages: dict[str, Any] = {}
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
@@ -71,14 +88,15 @@ class Pipeline:
         result = retargeter.retarget(motion)
         return result.trajectory, result.report
 
-    def judge(self, trajectory: RobotTrajectory) -> "Judgement":
-        """The verdict on a trajectory, with its playback."""
+    def judge(self, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> "Judgement":
+        """The verdict on a trajectory, with its playback by a controller; None takes the pipeline's own."""
         from sim.verdict import judge
 
-        return judge(trajectory, self.robot, mount=self.mount)
+        return judge(trajectory, self.robot, mount=self.mount, controller=controller or self.controller or "default")
 
     def repair(self, candidate: Candidate) -> Candidate:
-        """The candidate, or what the ladder of other controllers and gentler motions makes of it."""
+        """The candidate, or what other controllers and gentler motions make of it."""
+        from ros_free_stack.formats.frames import resample
         from sim.repair import repair
 
         reports = {candidate.trajectory.digest: candidate.report}
@@ -87,16 +105,23 @@ class Pipeline:
             trajectory, reports[trajectory.digest] = self.retarget(motion)
             return trajectory
 
-        found = repair(candidate.trajectory, self.robot, motion=candidate.motion, retarget=retarget, mount=self.mount)
-        motion = found.motion or candidate.motion
-        return Candidate(
-            motion,
-            candidate.missing,
-            candidate.distance,
-            found.trajectory,
-            reports[found.trajectory.digest],
-            found.judgement,
+        found = repair(
+            candidate.trajectory,
+            self.robot,
+            motion=candidate.motion,
+            retarget=retarget,
+            mount=self.mount,
+            controllers=(self.controller,) if self.controller else ("default", "wbc"),
         )
+        motion = found.motion or candidate.motion
+        missing, distance = candidate.missing, candidate.distance
+        if motion is not candidate.motion:
+            # A gentler motion may show less of its sentence: what is told must be of the motion that is kept.
+            joints = resample(motion.joints, fps=motion.fps, to=FPS)
+            read = replace(motion, joints=joints, fps=FPS)
+            missing, distance = self.missing(read), self.distances(read.prompt, (read,))[0]
+        report = reports[found.trajectory.digest]
+        return Candidate(motion, missing, distance, found.trajectory, report, found.judgement)
 
     def candidates(
         self,

@@ -12,6 +12,7 @@ from pipeline.pipeline import Pipeline
 from pipeline.timings import Timings
 from ros_free_stack.console import Command, say
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.messages import ControllerName
 from ros_free_stack.robots import RobotDescription, load_robot
 
 MAX_CANDIDATES = 64
@@ -75,7 +76,9 @@ class Run(Command):
         elif self.dry_run or self.joints or self.calibration:
             raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
         timings = Timings()
-        pipeline = Pipeline(robot, llm=self.llm, llm_model=self.llm_model, mount=self.mount)
+        pipeline = Pipeline(
+            robot, llm=self.llm, llm_model=self.llm_model, mount=self.mount, controller=self._controller()
+        )
         with timings.measure("text"):
             segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
         make_folder(self.out)
@@ -89,6 +92,8 @@ class Run(Command):
         )
         best = found[0]
         files = self._save(best, timings)
+        if self.servo is not None and not best.judgement.passed:
+            self._say_why_not(best, pipeline)
         try:
             servo = self._stream(best, robot, timings)
         finally:
@@ -105,6 +110,7 @@ class Run(Command):
             "retarget": best.report.as_dict(),
             "verdict": {
                 "passed": verdict.passed,
+                "controller": verdict.controller,
                 "checks": [asdict(check) for check in verdict.checks],
                 "notes": list(verdict.notes),
             },
@@ -157,14 +163,26 @@ class Run(Command):
             return []
         return ["video.mp4"]
 
-    def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
+    def _controller(self) -> ControllerName | None:
+        """What will move the robot: the servo driver's own controller where there are servos."""
         if self.servo is None:
             return None
-        if not best.judgement.passed:
-            say("nothing is streamed: no candidate passed")
-            return None
-        if best.judgement.verdict.controller == "wbc":
-            say("nothing is streamed: only whole-body control keeps the robot up, and the servo driver has none")
+        from hw.gate import DRIVEN
+
+        return DRIVEN
+
+    def _say_why_not(self, best: Candidate, pipeline: Pipeline) -> None:
+        """Why nothing is streamed, and what would do where it is balance alone that fails."""
+        from sim.repair import BALANCE_CHECKS
+
+        say("nothing is streamed: no candidate passed with what the servo driver does, which is to send plain angles")
+        failed = {check.name for check in best.judgement.verdict.failures}
+        if self.mount == "free" and failed <= BALANCE_CHECKS and pipeline.judge(best.trajectory, "default").passed:
+            robot = best.trajectory.robot
+            say(f"only feedback keeps {robot} up: hang it up and use --mount fixed, or leave --servo out")
+
+    def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
+        if self.servo is None or not best.judgement.passed:
             return None
         from hw.stream import stream
 
@@ -191,7 +209,7 @@ class Run(Command):
         yield from (f"not as asked: {line}" for line in best.missing)
         feasible = sum(candidate.judgement.passed for candidate in found)
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
-        yield from (note for note in verdict.notes if note.startswith(("changed", "tried")))
+        yield from (note for note in verdict.notes if note.startswith(("played by", "changed", "tried")))
         for check in verdict.failures:
             yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
         if servo is not None and self.dry_run:

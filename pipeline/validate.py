@@ -51,6 +51,7 @@ class Validate(ValidateAlone):
             mount=self.mount,
             level=self.level,
             perturbed=self.perturbed,
+            controllers=("default", "wbc") if self.controller == "default" else (self.controller,),
         )
         save_trajectory(self.out / "trajectory.npz", found.trajectory)
         if found.motion is not None:

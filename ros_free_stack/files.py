@@ -205,8 +205,11 @@ def load_verdict(path: Path) -> Verdict:
         raise InvalidFile(path, "no such file")
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        data.pop("passed")
+        passed = data.pop("passed")
         data["checks"] = tuple(Check(**check) for check in data["checks"])
-        return Verdict(**data)
+        verdict = Verdict(**data)
     except (ValueError, TypeError, KeyError, AttributeError, InvalidMessage) as error:
         raise InvalidFile(path, f"not a verdict: {error}") from None
+    if passed is not verdict.passed:
+        raise InvalidFile(path, f"says passed: {json.dumps(passed)}, and its checks do not: judge the trajectory again")
+    return verdict

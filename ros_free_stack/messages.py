@@ -16,6 +16,10 @@ Bools = NDArray[np.bool_]
 Mount = Literal["free", "fixed"]
 ControllerName = Literal["pd", "default", "wbc"]
 """What moves a robot in physics: servos alone, with feedforward and ankle feedback, or whole-body control."""
+StateName = Literal["true", "estimated"]
+"""What a controller reads in physics: the simulation's own state, or what encoders and an IMU tell."""
+Level = Literal["strict", "default", "lenient"]
+"""How strict the limits of a verdict are."""
 
 
 def _array(message: str, name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: Any = np.float64) -> Any:
@@ -152,10 +156,11 @@ class Check:
         value: the worst measured value.
         unit: unit of `value` and `limit`.
         limit: the threshold.
-        passed: whether the value is within the limit.
+        passed: whether the value is within the limit, as the judge says; `holds` works it out anew.
         worst_frame: frame of the worst value, or -1 where it has none.
         worst_item: joint, body pair or foot of the worst value, or "".
         meaning: one sentence on what was measured.
+        minimum: whether the limit is the least that `value` may be, instead of the most.
     """
 
     name: str
@@ -166,6 +171,12 @@ class Check:
     worst_frame: int = -1
     worst_item: str = ""
     meaning: str = ""
+    minimum: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether the numbers say so: the value is within the limit; one that is no number never is."""
+        return bool(self.value >= self.limit if self.minimum else self.value <= self.limit)
 
 
 @dataclass(frozen=True)
@@ -180,7 +191,10 @@ class Verdict:
         notes: what the checks do not say.
         physics: whether the trajectory was also played in physics; servos take no other verdict.
         mount: `free` for a robot on the floor, `fixed` for one held by its root, whose balance was not judged.
-        controller: what moved the robot in physics; servos take none that needs more than they have.
+        controller: what moved the robot in physics; servos take none that their driver does not run.
+        state: what that controller read.
+        level: how strict the limits were.
+        limits_sha256: `ros_free_stack.thresholds.limits_sha256` of all limits of that level for that robot.
     """
 
     robot: str
@@ -191,20 +205,24 @@ class Verdict:
     physics: bool = False
     mount: Mount = "free"
     controller: ControllerName = "default"
+    state: StateName = "true"
+    level: Level = "default"
+    limits_sha256: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checks", tuple(self.checks))
         object.__setattr__(self, "notes", tuple(self.notes))
         # A word in place of a truth value would count as true.
-        flags: list[tuple[str, object]] = [("physics", self.physics), *(("checks", c.passed) for c in self.checks)]
+        flags: list[tuple[str, object]] = [("physics", self.physics)]
+        flags += [("checks", flag) for check in self.checks for flag in (check.passed, check.minimum)]
         for name, value in flags:
             if not isinstance(value, bool | np.bool_):
                 raise InvalidMessage("Verdict", name, f"expected true or false, found {value!r}")
-        if self.mount not in get_args(Mount):
-            raise InvalidMessage("Verdict", "mount", f"expected {' or '.join(get_args(Mount))}, found {self.mount!r}")
-        if self.controller not in get_args(ControllerName):
-            known = ", ".join(get_args(ControllerName))
-            raise InvalidMessage("Verdict", "controller", f"expected one of {known}, found {self.controller!r}")
+        words = {"mount": Mount, "controller": ControllerName, "state": StateName, "level": Level}
+        for name, choices in words.items():
+            if (found := getattr(self, name)) not in get_args(choices):
+                known = ", ".join(get_args(choices))
+                raise InvalidMessage("Verdict", name, f"expected one of {known}, found {found!r}")
 
     @property
     def passed(self) -> bool:

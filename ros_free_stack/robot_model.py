@@ -13,6 +13,9 @@ from ros_free_stack.robots import RobotDescription
 
 Indices = NDArray[np.intp]
 
+G1_STANDING_HEIGHT_M = 0.787
+"""Height of G1's pelvis in its standing pose: the size that length and speed thresholds are stated for."""
+
 
 def read_spec(path: Path) -> mujoco.MjSpec:
     """An MJCF file as an editable spec; InvalidFile where it is missing or MuJoCo refuses it."""
@@ -105,6 +108,14 @@ def standing_qpos(model: mujoco.MjModel, robot: RobotDescription) -> Floats:
         mujoco.mj_kinematics(model, data)
         data.qpos[2] -= min(float(corners[:, 2].min()) for corners in sole_corners(model, data, robot).values())
     return data.qpos.copy()
+
+
+def size_scale(robot: RobotDescription, model: mujoco.MjModel) -> float:
+    """The robot's size against G1: standing height of the root over 0.787 m, at most 1.
+
+    Rounded, so that every model of the robot, with meshes and without, gives the same limits.
+    """
+    return min(1.0, round(float(standing_qpos(model, robot)[2]) / G1_STANDING_HEIGHT_M, 4))
 
 
 def sole_corners(model: mujoco.MjModel, data: mujoco.MjData, robot: RobotDescription) -> dict[str, Floats]:

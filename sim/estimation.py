@@ -9,7 +9,7 @@ edge for a moving body; a controller that answers a capture point hard then shak
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -19,8 +19,6 @@ from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription
 from sim.actuation import Servos
 from sim.plan import Plan
-
-StateName = Literal["true", "estimated"]
 
 VELOCITY_CUTOFF_HZ = 12.0
 """Of the low-pass filter of joint speeds."""

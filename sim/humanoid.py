@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from ros_free_stack.messages import Floats
-from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
 from sim.reference import Reference
 
@@ -27,16 +26,6 @@ _SPINE: Final = (("spine1", 0.157), ("spine2", 0.228), ("spine3", 0.299), ("neck
 _SHOULDER: Final = (0.40, 0.19)
 """Height of a shoulder above the pelvis along the trunk, and its distance from the trunk."""
 _COLLAR: Final = (0.39, 0.07)
-
-
-_LIMBS: Final = tuple(
-    f"{side}_{name}" for side in SIDES for name in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-)
-
-
-def has_all_limbs(robot: RobotDescription) -> bool:
-    """Whether a robot can be laid on a human skeleton: one without arms or legs cannot."""
-    return robot.attachments.keys() >= set(_LIMBS)
 
 
 def human_joints(reference: Reference) -> Floats:

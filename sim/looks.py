@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 
 from ros_free_stack.messages import Floats
-from ros_free_stack.robot_model import add_floor, kinematic_model, robot_spec, standing_qpos
+from ros_free_stack.robot_model import add_floor, kinematic_model, robot_spec, size_scale, standing_qpos
 from ros_free_stack.robots import RobotDescription
-from sim.model import cached_model, drop_meshes, replace_meshes, size_scale
+from sim.model import cached_model, drop_meshes, replace_meshes
 
 _CELL_M = 0.018
 """Vertices in one cell of this size (on G1) become one."""

@@ -8,7 +8,6 @@ meshes takes seconds.
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
 
 import mujoco
 import numpy as np
@@ -17,15 +16,11 @@ from scipy.spatial import ConvexHull
 
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
-from ros_free_stack.messages import Floats
+from ros_free_stack.messages import Floats, Mount
 from ros_free_stack.robot_model import add_floor, robot_spec, standing_qpos
 from ros_free_stack.robots import RobotDescription
 
-Mount = Literal["free", "fixed"]
-
 TIMESTEP_S = 0.002
-G1_STANDING_HEIGHT_M = 0.787
-"""Height of G1's pelvis in its standing pose: the size that length and speed thresholds are stated for."""
 
 NATURAL_FREQUENCY, DAMPING_RATIO = 2 * np.pi * 10.0, 2.0
 """Of the position loop that a bare motor gets, in rad/s and 1, on the inertia of its rotor alone (BeyondMimic, Liao et
@@ -59,11 +54,6 @@ def cached_model(robot: RobotDescription, variant: str, build: Callable[[], "muj
     except (OSError, InvalidFile):  # a cache that cannot be written only costs time
         pass
     return model
-
-
-def size_scale(robot: RobotDescription, model: mujoco.MjModel) -> float:
-    """The robot's size against G1: standing height of the root over 0.787 m, at most 1."""
-    return min(1.0, float(standing_qpos(model, robot)[2]) / G1_STANDING_HEIGHT_M)
 
 
 def _cache_folder() -> Path:

@@ -13,12 +13,12 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 
-from ros_free_stack.messages import Bools, ControllerName, Floats, Mount
+from ros_free_stack.messages import Bools, ControllerName, Floats, Mount, StateName
 from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import RobotDescription, ServoMotor
 from sim.actuation import AT_LIMIT, Servos, read_servos
 from sim.controllers import Controller, make_controller
-from sim.estimation import EncodersAndImu, SensorNoise, StateName, TrueState
+from sim.estimation import EncodersAndImu, SensorNoise, TrueState
 from sim.model import judging_model
 from sim.plan import HOLD_S, Plan, make_plan
 from sim.reference import Reference

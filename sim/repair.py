@@ -1,20 +1,19 @@
 """The ladder: what to try before a motion is called infeasible, and what was changed to make it pass.
 
-The default controller, then whole-body control, then a slower or smaller motion, then infeasible. A gentler motion is
-not a stretched trajectory: the human motion is changed and retargeted anew, so that footsteps, balance and limits are
-planned for the new pace. The judge does not know how to retarget, so it is handed a function.
+The controllers that may move the robot, then a slower or smaller motion, then infeasible. A gentler motion is not a
+stretched trajectory: the human motion is changed and retargeted anew, so that footsteps, balance and limits are planned
+for the new pace. The judge does not know how to retarget, so it is handed a function.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory, Segment
+from ros_free_stack.messages import ControllerName, HumanMotion, Level, Mount, RobotTrajectory, Segment
 from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import INDEX
-from sim.thresholds import Level
 from sim.verdict import Judgement, judge
 
 Retarget = Callable[[HumanMotion], RobotTrajectory]
@@ -78,6 +77,7 @@ def repair(
     mount: Mount = "free",
     level: Level = "default",
     perturbed: int = 0,
+    controllers: Sequence[ControllerName] = ("default", "wbc"),
 ) -> Repaired:
     """Climb the ladder until a rung passes every check.
 
@@ -89,6 +89,7 @@ def repair(
         mount: see `judge`.
         level: see `judge`.
         perturbed: see `judge`.
+        controllers: tried one after the other on each motion, as long as only balance or tracking fails.
 
     Returns:
         The first rung that passed, with what was changed in the notes of its verdict; the unchanged motion's judgement,
@@ -97,7 +98,7 @@ def repair(
     tried: list[str] = []
     first: Repaired | None = None
     for change, changed, candidate in _rungs(trajectory, motion, retarget):
-        for controller in ("default", "wbc"):
+        for controller in controllers:
             judgement = judge(candidate, robot, mount=mount, level=level, controller=controller, perturbed=perturbed)
             failed = [check.name for check in judgement.verdict.failures]
             rung = f"{change.words()}, {controller} controller"

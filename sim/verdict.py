@@ -3,16 +3,15 @@
 from dataclasses import dataclass
 
 from ros_free_stack.errors import InvalidOption
-from ros_free_stack.messages import Check, ControllerName, Mount, RobotTrajectory, Verdict
+from ros_free_stack.messages import Check, ControllerName, Level, Mount, RobotTrajectory, StateName, Verdict
+from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription
+from ros_free_stack.thresholds import Threshold, limits_sha256, load_thresholds
 from sim.checks import balance, coherence, contact, joints, tracking
-from sim.estimation import StateName
-from sim.humanoid import has_all_limbs
-from sim.model import judging_model, size_scale
+from sim.model import judging_model
 from sim.playback import FallLimits, Playback, play, set_stage
 from sim.reference import Reference, make_reference
 from sim.robustness import Robustness, perturbed_runs
-from sim.thresholds import Level, Threshold, load_thresholds
 
 LONGEST_S = 600.0
 """A longer clip is refused: it would fill the memory before it gave an answer."""
@@ -95,6 +94,9 @@ def judge(
         physics=physics,
         mount=mount,
         controller=controller,
+        state=state,
+        level=level,
+        limits_sha256=limits_sha256(limits),
     )
     return Judgement(verdict, reference, playback)
 
@@ -125,7 +127,7 @@ def kinematic_checks(reference: Reference, limits: dict[str, Threshold], mount: 
             contact.foot_skate_peak(reference, limits["foot_skate_peak"], scale=scale),
             balance.zmp_outside(reference, limits["zmp_outside"]),
         ]
-    if not has_all_limbs(reference.robot):
+    if not reference.robot.has_all_limbs:
         return checks
     return [
         *checks,

@@ -3,11 +3,17 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from ros_free_stack.messages import Floats, Mount
 from ros_free_stack.robots.servos import ServoMap
+
+LIMBS: Final = tuple(
+    f"{side}_{name}" for side in ("left", "right") for name in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+)
+"""Attachments of a whole body."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +109,11 @@ class RobotDescription:
     def mounted(self, mount: Mount) -> Mount:
         """The mount that applies where `mount` is asked for: a robot without legs to stand on never is free."""
         return "fixed" if self.mount == "fixed" else mount
+
+    @property
+    def has_all_limbs(self) -> bool:
+        """Whether it can be laid on a human skeleton: one without arms or legs cannot."""
+        return self.attachments.keys() >= set(LIMBS)
 
     @property
     def foot_names(self) -> tuple[str, ...]:

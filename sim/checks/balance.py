@@ -4,8 +4,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ros_free_stack.messages import Check, Floats
+from ros_free_stack.thresholds import Threshold
 from sim.reference import Reference
-from sim.thresholds import Threshold
 from sim.zmp import zero_moment_point
 
 WINDOW_S = 0.2

@@ -5,9 +5,9 @@ import numpy as np
 from ros_free_stack import coherence
 from ros_free_stack.messages import Check, Floats
 from ros_free_stack.skeleton import FPS
+from ros_free_stack.thresholds import Threshold
 from sim.humanoid import human_joints
 from sim.reference import Reference
-from sim.thresholds import Threshold
 
 STILL_LEGS_PER_S = 0.1
 """Parts whose speed varies by less than this many leg lengths a second count as still."""

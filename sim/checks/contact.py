@@ -3,8 +3,8 @@
 import numpy as np
 
 from ros_free_stack.messages import Check, Floats
+from ros_free_stack.thresholds import Threshold
 from sim.reference import Reference
-from sim.thresholds import Threshold
 
 LOW_SOLE_M = 0.05
 """A sole lower than this counts as near the floor (for a robot of G1's height)."""

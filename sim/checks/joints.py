@@ -4,8 +4,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from ros_free_stack.messages import Check, Floats
+from ros_free_stack.thresholds import Threshold
 from sim.reference import Reference
-from sim.thresholds import Threshold
 
 
 def joint_range(reference: Reference, threshold: Threshold) -> Check:

@@ -4,9 +4,9 @@ import numpy as np
 
 from ros_free_stack.messages import Check, Floats
 from ros_free_stack.robots import ServoMotor
+from ros_free_stack.thresholds import Threshold
 from sim.playback import Playback
 from sim.reference import Reference, body_points
-from sim.thresholds import Threshold
 
 ROOM_C = 25.0
 

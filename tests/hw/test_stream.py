@@ -19,46 +19,22 @@ from ros_free_stack.errors import (
     InvalidFile,
     InvalidOption,
     LostServo,
-    ModelMismatch,
     PortError,
     ServoFault,
     UnsafeCommand,
 )
 from ros_free_stack.files import load_telemetry, save_trajectory, save_verdict
-from ros_free_stack.messages import Check, Mount, RobotTrajectory, Verdict
-from ros_free_stack.robots import RobotDescription, ServoSafety, load_robot
+from ros_free_stack.messages import Mount
+from ros_free_stack.robots import ServoSafety, load_robot
+from tests.hw.verdicts import judged, motion
 
 OP3 = load_robot("op3")
 SAFETY = ServoSafety(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=50)
 ROOT = Path(__file__).parents[2]
 
 
-def motion(robot: RobotDescription = OP3, *, seconds: float = 2.0, fps: float = 50.0) -> RobotTrajectory:
-    """The right elbow swings by 0.6 rad, four times in 2 s at most."""
-    times = np.arange(round(seconds * fps)) / fps
-    joints = np.tile(robot.standing_pos, (len(times), 1))
-    moved = robot.joint_names.index("r_el" if "r_el" in robot.joint_names else robot.joint_names[0])
-    joints[:, moved] -= 0.3 * (1 - np.cos(2 * np.pi * times))
-    return RobotTrajectory(
-        robot=robot.name,
-        model_sha256=robot.sha256,
-        joint_names=robot.joint_names,
-        fps=fps,
-        root_pos=np.zeros((len(times), 3)),
-        root_quat=np.tile([1.0, 0, 0, 0], (len(times), 1)),
-        joint_pos=joints,
-        contacts=np.ones((len(times), 2), dtype=bool),
-        foot_names=robot.foot_names,
-    )
-
-
-def judged(trajectory: RobotTrajectory, *, passed: bool = True) -> Verdict:
-    check = Check("joint_range", 0.0, "rad", 1.0, passed)
-    return Verdict(trajectory.robot, trajectory.model_sha256, trajectory.digest, (check,), physics=True)
-
-
 def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
-    trajectory, file = motion(), tmp_path / "telemetry.npz"
+    trajectory, file = motion(OP3), tmp_path / "telemetry.npz"
     with VirtualBus.of_robot(OP3) as bus:
         report = stream(trajectory, judged(trajectory), OP3, port=bus.port, telemetry=file, safety=SAFETY)
         servos = list(bus.network.servos.values())
@@ -81,7 +57,7 @@ def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
 
 
 def test_sim_starts_its_own_bus_and_a_partial_rig_moves_only_its_joints() -> None:
-    trajectory = motion(seconds=0.5)
+    trajectory = motion(OP3, seconds=0.5)
     report = stream(trajectory, judged(trajectory), OP3, port="sim", joints=("r_el", "r_sho_roll"), safety=SAFETY)
     assert report.joints == 2
     assert report.cycles > 0
@@ -89,7 +65,7 @@ def test_sim_starts_its_own_bus_and_a_partial_rig_moves_only_its_joints() -> Non
 
 
 def test_a_dry_run_writes_nothing() -> None:
-    trajectory = motion(seconds=0.2)
+    trajectory = motion(OP3, seconds=0.2)
     with VirtualBus.of_robot(OP3) as bus:
         before = {i: servo.get("Goal Position") for i, servo in bus.network.servos.items()}
         report = stream(trajectory, judged(trajectory), OP3, port=bus.port, dry_run=True)
@@ -98,38 +74,25 @@ def test_a_dry_run_writes_nothing() -> None:
         assert all(servo.goal_extremes is None for servo in bus.network.servos.values())
 
 
-def test_only_a_passing_verdict_of_this_trajectory_opens_the_way() -> None:
-    trajectory, other = motion(seconds=0.2), motion(seconds=0.4)
-    no_port = "/dev/nothing"
-    with pytest.raises(UnsafeCommand, match=r"did not pass .joint_range."):
-        stream(trajectory, judged(trajectory, passed=False), OP3, port=no_port)
-    with pytest.raises(UnsafeCommand, match="another trajectory"):
-        stream(trajectory, judged(other), OP3, port=no_port)
-    with pytest.raises(UnsafeCommand, match="holds no check"):
-        stream(trajectory, replace(judged(trajectory), checks=()), OP3, port=no_port)
+def test_only_a_verdict_that_the_gate_takes_opens_a_port() -> None:
+    trajectory, no_port = motion(OP3, seconds=0.2), "/dev/nothing"
     with pytest.raises(UnsafeCommand, match="without physics"):
         stream(trajectory, replace(judged(trajectory), physics=False), OP3, port=no_port)
-    with pytest.raises(UnsafeCommand, match="another trajectory or model"):
-        stream(trajectory, replace(judged(trajectory), model_sha256="0" * 64), OP3, port=no_port)
     with pytest.raises(UnsafeCommand, match="--mount fixed"):
-        stream(trajectory, replace(judged(trajectory), mount="fixed"), OP3, port=no_port)
-    with pytest.raises(UnsafeCommand, match="whole-body control"):
-        stream(trajectory, replace(judged(trajectory), controller="wbc"), OP3, port=no_port)
-    with pytest.raises(ModelMismatch, match="retarget and judge"):
-        stream(trajectory, judged(trajectory), replace(OP3, sha256="0" * 64), port=no_port)
+        stream(trajectory, judged(trajectory, mount="fixed"), OP3, port=no_port)
     with pytest.raises(PortError, match=no_port):
         stream(trajectory, judged(trajectory), OP3, port=no_port)
 
 
 @pytest.mark.parametrize("mount", ["free", "fixed"])
 def test_a_fixed_mount_plays_both_verdicts(mount: Mount) -> None:
-    trajectory = motion(seconds=0.2)
-    verdict = replace(judged(trajectory), mount=mount)
+    trajectory = motion(OP3, seconds=0.2)
+    verdict = judged(trajectory, mount=mount)
     assert stream(trajectory, verdict, OP3, port="sim", mount="fixed", dry_run=True).mount == "fixed"
 
 
 def test_a_rig_with_some_joints_present_names_the_missing_until_they_are_left_out() -> None:
-    trajectory = motion(seconds=0.2)
+    trajectory = motion(OP3, seconds=0.2)
     present = ("r_el", "r_sho_roll", "r_sho_pitch")
     with VirtualBus.of_robot(OP3) as bus:
         with bus.locked:
@@ -143,7 +106,7 @@ def test_a_rig_with_some_joints_present_names_the_missing_until_they_are_left_ou
 
 
 def test_telemetry_outlives_a_fault(tmp_path: Path) -> None:
-    trajectory, file = motion(seconds=2), tmp_path / "telemetry.npz"
+    trajectory, file = motion(OP3, seconds=2), tmp_path / "telemetry.npz"
     hot = replace(SAFETY, temperature=1.0)
     with VirtualBus.of_robot(OP3) as bus:
         with pytest.raises(ServoFault, match="limit 1 deg C"):
@@ -158,7 +121,7 @@ def test_telemetry_outlives_a_fault(tmp_path: Path) -> None:
 
 
 def test_telemetry_that_cannot_be_written_is_refused_before_anything_moves(tmp_path: Path) -> None:
-    trajectory = motion(seconds=0.2)
+    trajectory = motion(OP3, seconds=0.2)
     (tmp_path / "file").write_text("")
     with pytest.raises(InvalidFile, match="not a writable folder"):
         stream(trajectory, judged(trajectory), OP3, port="/dev/nothing", telemetry=tmp_path / "file" / "t.npz")
@@ -181,7 +144,7 @@ def test_check_port() -> None:
 
 def host(bus: VirtualBus, tmp_path: Path) -> subprocess.Popen[str]:
     """A process that streams for long; returns once the robot moves."""
-    trajectory = motion(seconds=60)
+    trajectory = motion(OP3, seconds=60)
     save_trajectory(tmp_path / "trajectory.npz", trajectory)
     save_verdict(tmp_path / "verdict.json", judged(trajectory))
     code = "import sys, tyro; from hw.cli import Stream; sys.exit(tyro.cli(Stream).run())"

@@ -8,13 +8,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ros_free_stack.messages import RobotTrajectory
+from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription, load_robot
+from ros_free_stack.thresholds import LEVELS, Level, Threshold, load_thresholds
 from sim.checks.tracking import motor
-from sim.model import judging_model, size_scale
+from sim.model import judging_model
 from sim.playback import FallLimits, Playback, play, set_stage
 from sim.reference import Reference, make_reference
 from sim.robustness import Robustness
-from sim.thresholds import LEVELS, Level, Threshold, load_thresholds
 from sim.verdict import judge, kinematic_checks, playback_checks, robustness_check
 
 LIMITS = FallLimits(0.1, 0.8)

@@ -1,17 +1,17 @@
 """Limits of the checks, read from `thresholds.yaml`."""
 
-from dataclasses import dataclass
+import hashlib
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
-from typing import Any, Literal
+from typing import Any, get_args
 
 import yaml
 
 from ros_free_stack.errors import UnknownName
-from ros_free_stack.messages import Check
+from ros_free_stack.messages import Check, Level
 
-Level = Literal["strict", "default", "lenient"]
-LEVELS: tuple[Level, ...] = ("strict", "default", "lenient")
+LEVELS: tuple[Level, ...] = get_args(Level)
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class Threshold:
     def check(self, name: str, value: float, meaning: str, *, worst_frame: int = -1, worst_item: str = "") -> Check:
         """The measured value against this limit."""
         value = float(value)
-        passed = value >= self.limit if self.minimum else value <= self.limit
-        return Check(name, value, self.unit, self.limit, bool(passed), int(worst_frame), worst_item, meaning)
+        check = Check(name, value, self.unit, self.limit, False, int(worst_frame), worst_item, meaning, self.minimum)
+        return replace(check, passed=check.holds)
 
 
 def load_thresholds(level: Level, *, scale: float) -> dict[str, Threshold]:
@@ -49,7 +49,13 @@ def load_thresholds(level: Level, *, scale: float) -> dict[str, Threshold]:
     }
 
 
+def limits_sha256(limits: dict[str, Threshold]) -> str:
+    """Hash of every limit's name, value, unit and sense; a verdict carries it, so that new limits end old verdicts."""
+    rows = sorted((name, repr(item.limit), item.unit, item.minimum) for name, item in limits.items())
+    return hashlib.sha256(repr(rows).encode()).hexdigest()
+
+
 @cache
 def _table() -> dict[str, dict[str, Any]]:
     """The file as it is; reading it takes longer than some checks."""
-    return yaml.safe_load((resources.files("sim") / "thresholds.yaml").read_text(encoding="utf-8"))
+    return yaml.safe_load((resources.files("ros_free_stack") / "thresholds.yaml").read_text(encoding="utf-8"))
