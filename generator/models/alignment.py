@@ -73,7 +73,9 @@ def aggregate(hidden: Tensor, lengths: Tensor) -> tuple[Tensor, Tensor]:
     place = torch.arange(hidden.shape[1], device=hidden.device)
     ends = lengths.cumsum(1)[..., None]
     inside = (place < ends) & (place >= ends - lengths[..., None])
-    mean = inside.float() @ hidden / lengths[..., None].clamp_min(1)
+    # Under autocast the product would be of bfloat16, unlike the maximum, and a mean of many tokens wants float32.
+    with torch.autocast(hidden.device.type, enabled=False):
+        mean = inside.float() @ hidden / lengths[..., None].clamp_min(1)
     number = segment_numbers(lengths, hidden.shape[1])[..., None].expand_as(hidden)
     outside = (place >= lengths.sum(1, keepdim=True))[..., None]
     lowest = torch.full_like(mean, -torch.inf)

@@ -5,6 +5,7 @@ Batch and random draws of an iteration depend on the seed and its number only, s
 
 import copy
 import math
+import os
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -24,6 +25,7 @@ from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import atomic_path, make_folder
 
 CHECKPOINT = "checkpoint.pt"
+BF16 = "RFS_BF16"
 CHECKPOINT_EVERY_S = 180.0
 VALIDATIONS = 20  # in a whole run
 ROWS = 400  # of the loss curve in a whole run
@@ -219,11 +221,24 @@ class _Trainer:
 
 
 def autocast(device: str) -> AbstractContextManager[Any]:
-    """bfloat16 where the device has matrix units for it; elsewhere it would be slower than float32."""
-    if device != "cpu":
-        return torch.autocast(device, torch.bfloat16)
+    """bfloat16 where the device has matrix units for it; elsewhere it would be slower than float32.
+
+    The environment variable RFS_BF16, `on` or `off`, overrides what the device has, so that either way can be tried.
+
+    Raises:
+        InvalidOption: the variable holds something else.
+    """
+    return torch.autocast(torch.device(device).type, torch.bfloat16) if _bfloat16(device) else nullcontext()
+
+
+def _bfloat16(device: str) -> bool:
+    forced = os.environ.get(BF16, "")
+    if forced not in ("", "on", "off"):
+        raise InvalidOption(BF16, f"expected on or off, found {forced!r}")
+    if forced:
+        return forced == "on"
     able = torch.cpu.get_capabilities()
-    return torch.autocast("cpu", torch.bfloat16) if able["amx_bf16"] or able["avx512_bf16"] else nullcontext()
+    return device != "cpu" or able["amx_bf16"] or able["avx512_bf16"]
 
 
 @contextmanager

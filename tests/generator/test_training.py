@@ -5,6 +5,7 @@ import json
 import os
 import signal
 import threading
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,15 +56,23 @@ TINY = Preset(
 )
 
 
+@pytest.fixture(scope="module", params=["off", "on"], autouse=True)
+def bfloat16(request: pytest.FixtureRequest) -> Iterator[str]:
+    """Everything here is trained in float32 and under bfloat16 autocast, whatever the processor is good at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(loop.BF16, request.param)
+        yield request.param
+
+
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
     return MotionDataset.open(write_tiny_dataset(tmp_path_factory.mktemp("data") / "tiny"))
 
 
 @pytest.fixture(scope="module")
-def trained(dataset: MotionDataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def trained(dataset: MotionDataset, bfloat16: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which all stages were trained, one after the other."""
-    out = tmp_path_factory.mktemp("weights")
+    out = tmp_path_factory.mktemp(f"weights-bfloat16-{bfloat16}")
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "tiny", TINY)
         for stage in STAGES:
@@ -274,3 +283,15 @@ def test_damaged_weights_are_named(trained: Path, tmp_path: Path) -> None:
     (folder / weights.CONFIG).write_text("{}")
     with pytest.raises(InvalidFile, match="not a model's configuration"):
         weights.load(folder, "tokenizer")
+
+
+def test_autocast_is_what_was_forced(bfloat16: str) -> None:
+    product = torch.ones(2, 2)
+    with loop.autocast("cpu"):
+        assert (product @ product).dtype == {"on": torch.bfloat16, "off": torch.float32}[bfloat16]
+
+
+def test_autocast_forced_to_something_else_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(loop.BF16, "yes")
+    with pytest.raises(InvalidOption, match="RFS_BF16: expected on or off, found 'yes'"):
+        loop.autocast("cpu")
