@@ -29,14 +29,14 @@ from generator.config import (
 )
 from generator.data.dataset import MotionDataset
 from generator.grounding.consistency import consistency, paired_segments
-from generator.models.mask_transformer import MaskTransformer
-from generator.models.parts import part_count
-from generator.models.segmentation import boundary_errors, boundary_iou
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
+from generator.models.segmo.objectives.mask import MaskObjective
+from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.parts import part_count
+from generator.models.segmo.segmentation import boundary_errors, boundary_iou
 from generator.text.understanding import DOMAIN
-from generator.training.batches import TokenBatches, TokenCorpus
 from generator.training.loop import CHECKPOINT, Objective, Run, train
-from generator.training.mask import MaskObjective
-from generator.training.segmentation_table import segmentation_table
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidFile, StackError, UnknownName
 from ros_free_stack.files import make_folder, write_json

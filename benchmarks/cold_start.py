@@ -24,7 +24,7 @@ def main(folder: str, candidates: int, threads: int, duration_s: float, prompt: 
     lap("import torch")
     from pathlib import Path
 
-    from generator.generate import MotionGenerator
+    from generator.performer import Performer
     from generator.text.domain import Domain
     from generator.text.encoder import TextEncoder
     from generator.text.splitter import Splitter
@@ -44,7 +44,7 @@ def main(folder: str, candidates: int, threads: int, duration_s: float, prompt: 
     lap("load known texts")
     domain.similarity(segments)
     lap("check known")
-    generator = MotionGenerator.load(Path(folder), text_encoder=encoder)
+    generator = Performer.load(Path(folder), text_encoder=encoder)
     lap("load weights")
     generator.generate(prompt, segments, seed=0, candidates=candidates, duration_s=duration_s)
     lap("generate")

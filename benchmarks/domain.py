@@ -13,7 +13,7 @@ from time import perf_counter
 
 import tyro
 
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 from generator.text.understanding import Understanding
 from ros_free_stack.errors import InvalidPrompt, OutOfDomain
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 
 from benchmarks.corpus import Figure, draw_sheet, human_figures
-from generator.generate import WEIGHTS_FOLDER, MotionGenerator
+from generator.performer import WEIGHTS_FOLDER, Performer
 from generator.text.splitter import Splitter
 from ros_free_stack.console import progress
 from ros_free_stack.errors import StackError
@@ -33,7 +33,7 @@ class Arguments:
 
 def strips(arguments: Arguments) -> list[tuple[str, list[Figure]]]:
     """Title and figures of each prompt."""
-    generator, splitter, drawn = MotionGenerator.load(arguments.weights), Splitter(), []
+    generator, splitter, drawn = Performer.load(arguments.weights), Splitter(), []
     for prompt in progress(arguments.prompts, "generating", total=len(arguments.prompts)):
         (motion,) = generator.generate(prompt, splitter.split(prompt), seed=arguments.seed)
         missing = "; ".join(generator.missing(motion))

@@ -27,9 +27,9 @@ import tyro
 
 from benchmarks.speed_variants import VARIANTS
 from generator.config import MAX_TOKENS, TOKEN_S, Sampling
-from generator.foot_lock import lock_feet
-from generator.generate import WEIGHTS_FOLDER, MotionGenerator
-from generator.models.conditioning import Condition, uniform_lengths
+from generator.models.segmo.conditioning import Condition, uniform_lengths
+from generator.performer import WEIGHTS_FOLDER, Performer
+from generator.postprocess.foot_lock import lock_feet
 from generator.text.counts import segment_counts
 from generator.text.domain import Domain
 from generator.text.meanwhile import encode_segments
@@ -87,11 +87,11 @@ class Drawn:
 class Bench:
     """What every measurement uses, loaded once."""
 
-    generator: MotionGenerator
+    generator: Performer
     splitter: Splitter
     domain: Domain
 
-    def prompt_to_motion(self, generator: MotionGenerator, candidates: int, sampling: Sampling) -> float:
+    def prompt_to_motion(self, generator: Performer, candidates: int, sampling: Sampling) -> float:
         """Seconds of a warm prompt through the program's own stages."""
         start = perf_counter()
         segments = self.splitter.split(PROMPT)
@@ -100,7 +100,7 @@ class Bench:
         return perf_counter() - start
 
     @torch.inference_mode()
-    def draw(self, generator: MotionGenerator, candidates: int, sampling: Sampling, seed: int = 0) -> Drawn:
+    def draw(self, generator: Performer, candidates: int, sampling: Sampling, seed: int = 0) -> Drawn:
         """The stages one by one, with a layout that does not depend on the durations model."""
         laps, noise = Laps(), torch.Generator().manual_seed(seed)
         segments = self.splitter.split(PROMPT)
@@ -134,7 +134,7 @@ class Bench:
         laps.lap("lock feet")
         return Drawn(tokens, np.stack(joints), laps.seconds)
 
-    def variant(self, name: str) -> MotionGenerator:
+    def variant(self, name: str) -> Performer:
         """The generator with another way to run its layers."""
         mask, residual = copy.deepcopy(self.generator.mask), copy.deepcopy(self.generator.residual)
         for model in (mask, residual):
@@ -154,10 +154,10 @@ def run(arguments: Arguments) -> dict[str, Any]:
     torch.set_num_threads(arguments.threads)
     say("a fresh process for each number of candidates")
     cold = {count: cold_start(arguments, count) for count in arguments.candidates}
-    generator = MotionGenerator.load(arguments.weights)
+    generator = Performer.load(arguments.weights)
     bench = Bench(generator, Splitter(), Domain.load(arguments.weights / DOMAIN, generator.text_encoder))
     profile = {count: parts(bench, count, arguments.repeats) for count in arguments.candidates}
-    ways: dict[str, tuple[Callable[[], MotionGenerator], Sampling, int]] = {
+    ways: dict[str, tuple[Callable[[], Performer], Sampling, int]] = {
         name: (lambda name=name: bench.variant(name), PLAIN, 0) for name in arguments.variants
     }
     ways[CHECKED] = (lambda: generator, Sampling(), 0)
@@ -190,7 +190,7 @@ def parts(bench: Bench, candidates: int, repeats: int) -> dict[str, float]:
 def compare(
     bench: Bench,
     name: str,
-    make: Callable[[], MotionGenerator],
+    make: Callable[[], Performer],
     sampling: Sampling,
     seed: int,
     arguments: Arguments,

@@ -18,15 +18,15 @@ from torch import Tensor
 
 from generator.config import TOKEN_S
 from generator.data.dataset import Clip, LabelledSegment, MotionDataset
-from generator.generate import WEIGHTS_FOLDER
 from generator.grounding.consistency import consistency, recall
 from generator.grounding.search import ground
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
-from generator.models.segmentation import boundary_iou
+from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.segmentation import boundary_iou
+from generator.performer import WEIGHTS_FOLDER
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import encode_segments
-from generator.training.segmentation_table import segmentation_table
 from ros_free_stack.console import progress
 
 POOL = 32

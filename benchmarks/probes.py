@@ -22,7 +22,7 @@ from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
-from generator.generate import WEIGHTS_FOLDER, MotionGenerator
+from generator.performer import WEIGHTS_FOLDER, Performer
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
 from generator.probes.named import named
 from generator.probes.signals import Signals
@@ -170,7 +170,7 @@ def _prompt(kind: str, phrases: list[Phrase], rng: np.random.Generator) -> str:
 
 def probe_generated(arguments: Arguments) -> Tally:
     """Generate every sentence and probe one motion of each."""
-    generator = MotionGenerator.load(arguments.weights)
+    generator = Performer.load(arguments.weights)
     ranker = Ranker.load(arguments.weights) if arguments.candidates > 1 else None
     names = tuple(name for name in arguments.actions or tuple(VOCABULARY) if name not in _LEFT_OUT)
     split = _splitter() if arguments.segments == "split" else None

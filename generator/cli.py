@@ -10,7 +10,7 @@ from ros_free_stack.console import Command, say
 from ros_free_stack.errors import InvalidOption
 
 if TYPE_CHECKING:
-    from generator.generate import MotionGenerator
+    from generator.performer import Performer
     from ros_free_stack.messages import HumanMotion
 
 
@@ -113,7 +113,7 @@ class Generate(Command):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
-        from generator.generate import WEIGHTS_FOLDER, MotionGenerator
+        from generator.performer import WEIGHTS_FOLDER, Performer
         from generator.text.understanding import Understanding, segmenter
         from ros_free_stack.files import make_folder, save_motion
 
@@ -127,7 +127,7 @@ class Generate(Command):
                 say(note)
             sentences.append((prompt, understood.segments))
         make_folder(self.out.parent)
-        generator = MotionGenerator.load(folder)
+        generator = Performer.load(folder)
         motions = self._motions(generator, sentences)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
@@ -159,11 +159,11 @@ class Generate(Command):
             raise InvalidOption("--candidates", "cannot be combined with --then")
 
     def _motions(
-        self, generator: "MotionGenerator", sentences: list[tuple[str, tuple[str, ...]]]
+        self, generator: "Performer", sentences: list[tuple[str, tuple[str, ...]]]
     ) -> "tuple[HumanMotion, ...]":
         """The motions of the sentences and their segments, as the options ask for them."""
-        from generator.continuous import Continuation
-        from generator.ranges import concatenated
+        from generator.continuation import Continuation
+        from generator.editing import concatenated
         from ros_free_stack.files import load_motion
 
         (prompt, segments), *_ = sentences

@@ -117,9 +117,9 @@ class Training:
         batch, iterations, learning_rate, warm_up: the usual; the rate falls as a cosine to `final_rate` of itself.
         ema: decay of the averaged weights that are evaluated and exported; 0 takes the weights themselves.
         alignment: which parts of text and motion the mask transformer's alignment loss pairs, see
-            `generator.models.alignment`; "segment" is SegMo's.
+            `generator.models.segmo.alignment`; "segment" is SegMo's.
         alignment_weight: weight of that loss (SegMo, equation 9).
-        segmentation: where the alignment takes the motion segments from, see `generator.models.segmentation`;
+        segmentation: where the alignment takes the motion segments from, see `generator.models.segmo.segmentation`;
             "uniform" is SegMo's.
         window: frames of a training window; the tokenizer's only.
     """
@@ -167,9 +167,9 @@ class Sampling:
         layers: how many layers of tokens are drawn, the base layer included, at most as many as there are.
         top_k: only the best tokens are drawn, the share 1 - `top_k` of the codebook.
         duration_spread: how much of the predicted spread of durations the seed plays out.
-        foot_lock: hold standing feet still, see `generator.foot_lock`.
+        foot_lock: hold standing feet still, see `generator.postprocess.foot_lock`.
         drafts, rounds: how many drafts of what does not show its text are compared, and how often; with no rounds
-            the first draft is taken as it is. See `generator.drafts`.
+            the first draft is taken as it is. See `generator.resampling`.
     """
 
     steps: int = 10

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from generator.config import MAX_FRAMES
 from generator.evaluation.embedder import CorpusEmbedder
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 from ros_free_stack.formats.features import encode
 from ros_free_stack.messages import HumanMotion
 

@@ -12,7 +12,7 @@ from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import FPS
 
 if TYPE_CHECKING:
-    from generator.generate import MotionGenerator
+    from generator.performer import Performer
     from generator.text.encoder import TextEncoder
     from retarget.report import RetargetReport
     from sim.verdict import Judgement
@@ -52,7 +52,7 @@ class Pipeline:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
-        from generator.generate import WEIGHTS_FOLDER
+        from generator.performer import WEIGHTS_FOLDER
         from generator.text.understanding import Understanding, segmenter
 
         understanding = self._stage(
@@ -152,10 +152,10 @@ class Pipeline:
         return tuple(found)
 
     @property
-    def _generator(self) -> "MotionGenerator":
-        from generator.generate import MotionGenerator
+    def _generator(self) -> "Performer":
+        from generator.performer import Performer
 
-        return self._stage("generator", lambda: MotionGenerator.load(text_encoder=self._encoder()))
+        return self._stage("generator", lambda: Performer.load(text_encoder=self._encoder()))
 
     def _encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder

@@ -51,7 +51,7 @@ class Evaluate(Command):
     def run(self) -> int:
         from generator.evaluation.evaluation import Evaluation
         from generator.evaluation.table import table
-        from generator.generate import WEIGHTS_FOLDER
+        from generator.performer import WEIGHTS_FOLDER
         from generator.training.stages import choose_device
         from ros_free_stack.files import write_json
 

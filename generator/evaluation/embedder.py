@@ -12,7 +12,7 @@ from generator import weights
 from generator.config import EvaluatorConfig
 from generator.evaluation.metrics import Floats
 from generator.evaluation.pairs import Features, Pair
-from generator.models.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 
 BATCH = 64

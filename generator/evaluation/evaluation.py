@@ -13,8 +13,8 @@ from generator.evaluation.metrics import Floats
 from generator.evaluation.pairs import Features, Pair
 from generator.evaluation.protocol import MULTIMODALITY_SAMPLES, MotionSet, Score, score
 from generator.evaluation.sampling import BatchSampler
-from generator.generate import MotionGenerator
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.performer import Performer
 from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidOption
 
@@ -62,7 +62,7 @@ class Evaluation:
         """
         if multimodal_texts > len(self._pairs):
             raise InvalidOption("--multimodality", f"there are {len(self._pairs)} texts, found {multimodal_texts}")
-        sampler = BatchSampler(MotionGenerator.load(folder, device=device), self._pairs)
+        sampler = BatchSampler(Performer.load(folder, device=device), self._pairs)
         every = range(len(self._pairs))
         sets = [
             MotionSet.measure(

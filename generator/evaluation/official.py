@@ -24,7 +24,7 @@ from generator.evaluation.embedder import in_batches
 from generator.evaluation.metrics import Floats
 from generator.evaluation.pairs import Features, Pair
 from generator.evaluation.words import FILES, TAGS, WIDTH, PublishedWords
-from generator.models.evaluator import CONTACTS
+from generator.nn.evaluator import CONTACTS
 from ros_free_stack.errors import InvalidFile
 
 NETWORKS = Path("t2m/text_mot_match/model/finest.tar")

@@ -11,9 +11,9 @@ from torch import Tensor
 
 from generator.config import TOKEN_FRAMES, Sampling
 from generator.evaluation.pairs import Features, Pair
-from generator.generate import MotionGenerator
-from generator.models.conditioning import Condition, stack_lengths, uniform_lengths
-from generator.models.durations import whole_tokens
+from generator.models.segmo.conditioning import Condition, stack_lengths, uniform_lengths
+from generator.nn.durations import whole_tokens
+from generator.performer import Performer
 from generator.text.counts import segment_counts
 from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import progress
@@ -29,7 +29,7 @@ class BatchSampler:
     uniform layout: where the real segments begin and end is not told.
     """
 
-    def __init__(self, generator: MotionGenerator, pairs: Sequence[Pair]) -> None:
+    def __init__(self, generator: Performer, pairs: Sequence[Pair]) -> None:
         self._generator, self._pairs = generator, pairs
         texts = sorted({text for pair in pairs for text in (pair.text, *pair.segments)})
         embeddings = generator.text_encoder.encode_sentences(texts)

@@ -30,9 +30,9 @@ class Ground(Command):
 
     def run(self) -> int:
         from generator.config import TOKEN_S
-        from generator.generate import WEIGHTS_FOLDER
         from generator.grounding.search import ground, similarity_map
         from generator.grounding.space import AlignedSpace
+        from generator.performer import WEIGHTS_FOLDER
         from generator.text.encoder import TextEncoder
         from generator.text.meanwhile import encode_segments
         from generator.text.splitter import Splitter
@@ -77,9 +77,9 @@ class Caption(Command):
 
     def run(self) -> int:
         from generator.config import TOKEN_S
-        from generator.generate import WEIGHTS_FOLDER
         from generator.grounding.space import AlignedSpace
         from generator.grounding.texts import KnownTexts
+        from generator.performer import WEIGHTS_FOLDER
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion
 
@@ -106,8 +106,8 @@ class Caption(Command):
         import numpy as np
         import torch
 
-        from generator.models.conditioning import check_segments, segment_lengths
-        from generator.models.segmentation import change_points, pose_signal
+        from generator.models.segmo.conditioning import check_segments, segment_lengths
+        from generator.models.segmo.segmentation import change_points, pose_signal
         from ros_free_stack.formats.features import encode
         from ros_free_stack.skeleton import FPS
 

@@ -7,8 +7,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generator.models.mask_transformer import MaskTransformer
-from generator.training.batches import TokenBatch
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.objectives.batches import TokenBatch
 
 
 @dataclass(frozen=True)

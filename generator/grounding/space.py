@@ -15,9 +15,9 @@ from torch import Tensor
 
 from generator import weights
 from generator.config import MAX_FRAMES, TEXT_WIDTH, TOKEN_FRAMES, TokenizerConfig, TransformerConfig
-from generator.models.conditioning import Condition
-from generator.models.mask_transformer import MaskTransformer
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption, NoWeights
 from ros_free_stack.formats.features import encode
 from ros_free_stack.messages import HumanMotion

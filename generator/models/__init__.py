@@ -1,1 +1,1 @@
-"""The models of text-to-motion: tokenizer, mask transformer, residual transformer, durations."""
+"""The generators, a package each: see `generator.model` for what they have in common."""

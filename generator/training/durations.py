@@ -9,8 +9,8 @@ from torch import Tensor, nn
 
 from generator.config import TOKEN_FRAMES, DurationsConfig, Training
 from generator.data.dataset import Clip, MotionDataset
-from generator.models.conditioning import segment_lengths
-from generator.models.durations import DurationModel
+from generator.models.segmo.conditioning import segment_lengths
+from generator.nn.durations import DurationModel
 from generator.text.counts import segment_counts
 from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.skeleton import FPS

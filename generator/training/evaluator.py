@@ -13,7 +13,7 @@ from generator.config import MAX_FRAMES, TOKEN_FRAMES, EvaluatorConfig, Training
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
-from generator.models.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from ros_free_stack.errors import InvalidOption
 

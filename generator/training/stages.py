@@ -99,7 +99,7 @@ def _objective(job: Job, models: Preset) -> Objective:
     """The stage's objective; each imports only what it needs, so that none waits for the others' libraries."""
     training = _training(models, job.stage)
     if job.stage == "tokenizer":
-        from generator.training.tokenizer import TokenizerObjective
+        from generator.models.segmo.objectives.tokenizer import TokenizerObjective
 
         return TokenizerObjective(job.dataset, models.tokenizer, training, job.seed)
     if job.stage == "durations":
@@ -110,17 +110,17 @@ def _objective(job: Job, models: Preset) -> Objective:
         from generator.training.evaluator import EvaluatorObjective
 
         return EvaluatorObjective(job.dataset, models.evaluator, training, job.seed)
-    from generator.training.batches import TokenCorpus
+    from generator.models.segmo.objectives.batches import TokenCorpus
 
     corpus = TokenCorpus.build(job.dataset, job.out / "tokenizer", job.device)
     if job.stage == "mask":
-        from generator.training.mask import MaskObjective
+        from generator.models.segmo.objectives.mask import MaskObjective
 
         return MaskObjective(corpus, models.mask, training, job.seed)
     if job.stage == "grounding":
-        from generator.training.mask import MaskObjective
+        from generator.models.segmo.objectives.mask import MaskObjective
 
         return MaskObjective(corpus, models.grounding, training, job.seed, name="grounding")
-    from generator.training.residual import ResidualObjective
+    from generator.models.segmo.objectives.residual import ResidualObjective
 
     return ResidualObjective(corpus, models.residual, training, job.seed)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import launch
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 
 PROMPT = "a person bows, waves with the left hand, then walks forward"
 

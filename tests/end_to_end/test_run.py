@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import launch
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, load_verdict
 from ros_free_stack.robots import load_robot
 

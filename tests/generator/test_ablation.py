@@ -10,12 +10,12 @@ from benchmarks.ablation import Arguments, run, segmentation_rows, show
 from generator import weights
 from generator.config import PRESETS, DurationsConfig, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
-from generator.generate import MotionGenerator
-from generator.models.durations import DurationModel
-from generator.models.parts import part_count
-from generator.models.residual_transformer import ResidualTransformer
+from generator.models.segmo.objectives.tokenizer import TokenizerObjective
+from generator.models.segmo.parts import part_count
+from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.nn.durations import DurationModel
+from generator.performer import Performer
 from generator.training.loop import Run, train
-from generator.training.tokenizer import TokenizerObjective
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.files import make_folder
 from tests.generator.tiny_dataset import write_tiny_dataset
@@ -54,7 +54,7 @@ def test_rows_are_trained_measured_and_loadable(
     assert results["momask"]["consistency"] == {}
     assert -1 <= results["segmo-clustering"]["consistency"]["exact"]["mean"] <= 1
     for name in arguments.rows:
-        loaded = MotionGenerator.load(arguments.out / name)
+        loaded = Performer.load(arguments.out / name)
         assert loaded.mask.config == ablation.Ablation(arguments, None, loaded.tokenizer.config).transformer(  # type: ignore[arg-type]
             ablation.ROWS[name]
         )

@@ -6,8 +6,8 @@ import torch
 from torch.nn import functional
 
 from generator.config import AlignmentKind
-from generator.models.alignment import TEMPERATURE, SegmentAlignment, aggregate, contrastive_loss, pair_loss
-from generator.models.conditioning import segment_numbers, stack_lengths
+from generator.models.segmo.alignment import TEMPERATURE, SegmentAlignment, aggregate, contrastive_loss, pair_loss
+from generator.models.segmo.conditioning import segment_numbers, stack_lengths
 
 
 def unit(*shape: int, seed: int) -> torch.Tensor:

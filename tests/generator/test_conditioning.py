@@ -9,7 +9,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.models.conditioning import (
+from generator.models.segmo.conditioning import (
     Condition,
     SegmentConditioning,
     segment_lengths,

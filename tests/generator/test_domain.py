@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.domain import HALVES, LISTS, sentences
 from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry, phrase
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 from generator.text.domain import Domain, deeds
 from generator.text.encoder import TextEncoder
 from generator.text.splitter import Splitter

@@ -17,12 +17,12 @@ from generator.evaluation.pairs import corpus_pairs
 from generator.evaluation.protocol import MotionSet, Score, score
 from generator.evaluation.sampling import BatchSampler
 from generator.evaluation.table import table
-from generator.generate import MotionGenerator
-from generator.models.durations import DurationModel
-from generator.models.evaluator import MotionTextEvaluator
-from generator.models.mask_transformer import MaskTransformer
-from generator.models.residual_transformer import ResidualTransformer
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.durations import DurationModel
+from generator.nn.evaluator import MotionTextEvaluator
+from generator.performer import Performer
 from ros_free_stack.errors import InvalidOption, NoWeights, UnknownName
 from tests.generator.tiny_dataset import write_tiny_dataset
 
@@ -110,7 +110,7 @@ def test_several_folders_are_rows_named_after_them(
 
 def test_generated_motions_are_as_long_as_the_real_ones_and_do_not_depend_on_others(data: Path, folder: Path) -> None:
     pairs = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)
-    sampler = BatchSampler(MotionGenerator.load(folder), pairs)
+    sampler = BatchSampler(Performer.load(folder), pairs)
     motions = sampler.generate(range(len(pairs)), seed=0, title="")
     assert [len(features) for features in motions] == [pair.frames for pair in pairs]
     again = sampler.generate([5, 5], seed=0, title="")

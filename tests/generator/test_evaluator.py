@@ -12,7 +12,7 @@ from generator.config import EvaluatorConfig, Training
 from generator.data.dataset import MotionDataset
 from generator.data.mirror import mirror_joints
 from generator.data.mirrored_features import mirror_features
-from generator.models.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from generator.training.evaluator import EvaluatorObjective, contrastive_loss
 from generator.training.loop import Run, train

@@ -8,9 +8,9 @@ import torch
 
 from benchmarks.generation_speed import ANOTHER_SEED, Arguments, run, show
 from benchmarks.speed_variants import bfloat16, int8, torchscript
-from generator.models.layers import Transformer
+from generator.nn.layers import Transformer
 from ros_free_stack.errors import UnknownName
-from tests.generator.test_generate import folder
+from tests.generator.test_performer import folder
 
 __all__ = ["folder"]
 

@@ -16,7 +16,7 @@ from generator.grounding.consistency import consistency, paired_segments, recall
 from generator.grounding.search import BACKGROUND, ground, similarity_map
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
-from generator.training.batches import TokenBatches, TokenCorpus
+from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
 from generator.training.stages import Job
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights
 from ros_free_stack.files import save_motion

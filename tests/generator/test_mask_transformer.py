@@ -7,8 +7,8 @@ import torch
 from torch.nn import functional
 
 from generator.config import PRESETS, ConditioningKind, Sampling
-from generator.models.conditioning import Condition, stack_lengths
-from generator.models.mask_transformer import MaskTransformer, mask_tokens, sample
+from generator.models.segmo.conditioning import Condition, stack_lengths
+from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens, sample
 
 PARTS = 2
 CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24, parts=PARTS)

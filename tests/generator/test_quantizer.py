@@ -5,7 +5,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.models.quantizer import DECAY, ResidualQuantizer
+from generator.nn.quantizer import DECAY, ResidualQuantizer
 
 
 def trained(inputs: torch.Tensor, *, quantizers: int = 3, codes: int = 16, steps: int = 60) -> ResidualQuantizer:

@@ -14,9 +14,9 @@ from generator import weights
 from generator.config import TokenizerConfig
 from generator.data.build import make_twins
 from generator.data.dataset import MotionDataset
-from generator.generate import WEIGHTS_FOLDER
-from generator.models.tokenizer import MotionTokenizer
-from generator.training.tokenizer import channel_errors
+from generator.models.segmo.objectives.tokenizer import channel_errors
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.performer import WEIGHTS_FOLDER
 from ros_free_stack.formats.features import CHANNELS
 
 SEED, CLIPS = 98_765, 12

@@ -7,8 +7,8 @@ import torch
 from torch.nn import functional
 
 from generator.config import PRESETS, Sampling
-from generator.models.conditioning import Condition, stack_lengths
-from generator.models.residual_transformer import ResidualTransformer
+from generator.models.segmo.conditioning import Condition, stack_lengths
+from generator.models.segmo.residual_transformer import ResidualTransformer
 
 CONFIG = replace(PRESETS["small"].residual, width=32, layers=1, feed_forward=64, codes=8, quantizers=3, parts=2)
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from generator.config import TOKEN_FRAMES, SegmentationKind
 from generator.data.dataset import MotionDataset
-from generator.models import segmentation
-from generator.models.segmentation import METHODS, boundary_errors, boundary_iou, clusters, pose_signal
-from generator.training.segmentation_table import segmentation_table
+from generator.models.segmo import segmentation
+from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.segmentation import METHODS, boundary_errors, boundary_iou, clusters, pose_signal
 from tests.generator.tiny_dataset import write_tiny_dataset
 
 

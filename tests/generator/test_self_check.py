@@ -8,7 +8,7 @@ import pytest
 from generator.data import pose as poses
 from generator.data.actions import perform
 from generator.data.scene import Scene
-from generator.generate import WEIGHTS_FOLDER
+from generator.performer import WEIGHTS_FOLDER
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import Details
 from generator.probes.measures import Measures

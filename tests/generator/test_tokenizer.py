@@ -7,10 +7,17 @@ import pytest
 import torch
 
 from generator.config import FEATURES, PRESETS, TokenizerConfig
-from generator.models.parts import part_channels, part_count
-from generator.models.quantizer import ResidualQuantizer
-from generator.models.tokenizer import MotionTokenizer
-from generator.training.tokenizer import BONE_WEIGHT, ROOT, YAW, channel_weights, foot_steps, reconstruction_losses
+from generator.models.segmo.objectives.tokenizer import (
+    BONE_WEIGHT,
+    ROOT,
+    YAW,
+    channel_weights,
+    foot_steps,
+    reconstruction_losses,
+)
+from generator.models.segmo.parts import part_channels, part_count
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.quantizer import ResidualQuantizer
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D, decode
 
 SMALL = replace(PRESETS["small"].tokenizer, width=16, encoder_width=8, code_width=8, codes=32)

@@ -25,16 +25,16 @@ from generator.config import (
     TransformerConfig,
 )
 from generator.data.dataset import Caption, MotionDataset
-from generator.models.conditioning import uniform_lengths
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.conditioning import uniform_lengths
+from generator.models.segmo.objectives.batches import BUCKET, TokenBatches, TokenCorpus, repetitions_of
+from generator.models.segmo.objectives.mask import MaskObjective
+from generator.models.segmo.objectives.tokenizer import TokenizerObjective
+from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.text.meanwhile import clauses_at_once
 from generator.training import loop
-from generator.training.batches import BUCKET, TokenBatches, TokenCorpus, repetitions_of
 from generator.training.loop import Run, train
-from generator.training.mask import MaskObjective
 from generator.training.stages import STAGES, Job, choose_device
 from generator.training.text_cache import text_table
-from generator.training.tokenizer import TokenizerObjective
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights, UnknownName
 from tests.generator.tiny_dataset import write_tiny_dataset
 

@@ -8,9 +8,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import Training, TransformerConfig
-from generator.models.residual_transformer import ResidualTransformer
-from generator.training.batches import TokenBatch, TokenBatches, TokenCorpus
-from generator.training.mask import VALIDATION_CLIPS, dropped_conditions
+from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
+from generator.models.segmo.objectives.mask import VALIDATION_CLIPS, dropped_conditions
+from generator.models.segmo.residual_transformer import ResidualTransformer
 
 
 class ResidualObjective:

@@ -13,8 +13,8 @@ from torch.nn import functional
 from torch.nn.utils.rnn import pad_sequence
 
 from generator.config import FEATURES, MAX_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, EvaluatorConfig
-from generator.models.layers import Transformer
-from generator.models.tokenizer import MIN_STD
+from generator.models.segmo.tokenizer import MIN_STD
+from generator.nn.layers import Transformer
 
 CONTACTS = 4
 """The last channels, foot contacts, are not looked at, as in T2M."""

@@ -20,17 +20,17 @@ from generator.config import (
     TokenizerConfig,
     TransformerConfig,
 )
-from generator.drafts import Drafting
-from generator.models.conditioning import Condition, check_segments, stack_lengths, uniform_lengths
-from generator.models.durations import DurationModel, whole_tokens
-from generator.models.mask_transformer import MaskTransformer
-from generator.models.residual_transformer import ResidualTransformer
-from generator.models.tokenizer import MotionTokenizer
+from generator.editing import concatenated, replaced, token_range
+from generator.models.segmo.conditioning import Condition, check_segments, stack_lengths, uniform_lengths
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.durations import DurationModel, whole_tokens
+from generator.postprocess.context import CONTEXT_TOKENS, Context
+from generator.postprocess.stitch import placed
 from generator.probes.signals import Signals
-from generator.ranges import concatenated, replaced, token_range
+from generator.resampling import Drafting
 from generator.self_check import SelfCheck
-from generator.splice import placed
-from generator.surroundings import CONTEXT_TOKENS, Surroundings
 from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import encode_segments
@@ -51,8 +51,8 @@ Model = TypeVar("Model", bound=nn.Module)
 
 
 @dataclass(frozen=True)
-class MotionGenerator:
-    """The trained models; make one with `MotionGenerator.load`. Without `self_check` the first draft is taken."""
+class Performer:
+    """The trained models; make one with `Performer.load`. Without `self_check` the first draft is taken."""
 
     tokenizer: MotionTokenizer
     mask: MaskTransformer
@@ -210,7 +210,7 @@ class MotionGenerator:
         """
         frames = len(motion.joints)
         first, last = token_range(start_s, end_s, frames)
-        around = Surroundings.of_range(motion, first, last)
+        around = Context.of_range(motion, first, last)
         tokens = -(-(last - first) // TOKEN_FRAMES)
         _check(candidates, len(segments) + sum(count > 0 for count in around.tokens), MAX_TOKENS)
         check_segments(len(segments), tokens)
@@ -265,7 +265,7 @@ class MotionGenerator:
         prompt: str,
         segments: Sequence[str],
         lengths: Sequence[np.ndarray],
-        around: Surroundings,
+        around: Context,
         sampling: Sampling,
         noise: torch.Generator,
     ) -> list[np.ndarray]:
@@ -313,7 +313,7 @@ class MotionGenerator:
 
         return Drafting(self.mask, sampling, judge).draw(condition, known, noise)
 
-    def _known(self, around: Surroundings, condition: Condition) -> torch.Tensor:
+    def _known(self, around: Context, condition: Condition) -> torch.Tensor:
         """(Q P, B, T) tokens of the surroundings, -1 where there are none."""
         before, after = around.tokens
         rows = self.residual.config.quantizers * self.residual.config.parts
@@ -347,10 +347,10 @@ def _check(candidates: int, segments: int, tokens: int) -> None:
         raise InvalidOption("candidates", f"must be at least 1, found {candidates}")
 
 
-def _after(start: HumanMotion | None) -> Surroundings:
+def _after(start: HumanMotion | None) -> Context:
     """What comes before a motion that goes on from another."""
     if start is None:
-        return Surroundings.none()
+        return Context.none()
     if len(start.joints) < CONTEXT_TOKENS * TOKEN_FRAMES:
         raise InvalidOption("start", f"lasts {start.duration_s:g} s, needs at least {CONTEXT_S:g} s to go on from")
-    return Surroundings.of_range(start, len(start.joints), len(start.joints))
+    return Context.of_range(start, len(start.joints), len(start.joints))

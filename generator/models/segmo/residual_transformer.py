@@ -4,9 +4,9 @@ import torch
 from torch import Tensor, nn
 
 from generator.config import MAX_TOKENS, Sampling, TransformerConfig
-from generator.models.conditioning import Condition, SegmentConditioning
-from generator.models.layers import Transformer
-from generator.models.mask_transformer import sample
+from generator.models.segmo.conditioning import Condition, SegmentConditioning
+from generator.models.segmo.mask_transformer import sample
+from generator.nn.layers import Transformer
 
 
 class ResidualTransformer(nn.Module):

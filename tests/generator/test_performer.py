@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from generator import weights
 from generator.cli import Generate, Train
 from generator.config import PRESETS, DurationsConfig, Sampling, TokenizerConfig, TransformerConfig
-from generator.generate import MotionGenerator
-from generator.models.durations import DurationModel, whole_tokens
-from generator.models.mask_transformer import MaskTransformer
-from generator.models.residual_transformer import ResidualTransformer
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.durations import DurationModel, whole_tokens
+from generator.performer import Performer
 from generator.text.domain import Domain
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN
@@ -52,11 +52,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def generator(folder: Path) -> MotionGenerator:
-    return MotionGenerator.load(folder)
+def generator(folder: Path) -> Performer:
+    return Performer.load(folder)
 
 
-def test_motion_has_its_prompt_segments_and_floor(generator: MotionGenerator) -> None:
+def test_motion_has_its_prompt_segments_and_floor(generator: Performer) -> None:
     (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
     assert motion.prompt == PROMPT
     assert tuple(segment.text for segment in motion.segments) == SEGMENTS
@@ -66,7 +66,7 @@ def test_motion_has_its_prompt_segments_and_floor(generator: MotionGenerator) ->
     assert motion.joints[..., 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_same_seed_same_bytes(generator: MotionGenerator) -> None:
+def test_same_seed_same_bytes(generator: Performer) -> None:
     def run(seed: int) -> list[bytes]:
         motions = generator.generate(PROMPT, SEGMENTS, seed=seed, candidates=3, sampling=QUICK)
         return [motion.joints.tobytes() for motion in motions]
@@ -77,7 +77,7 @@ def test_same_seed_same_bytes(generator: MotionGenerator) -> None:
     assert len(set(first)) == 3
 
 
-def test_durations_are_kept(generator: MotionGenerator) -> None:
+def test_durations_are_kept(generator: Performer) -> None:
     motions = generator.generate(PROMPT, SEGMENTS, seed=0, candidates=2, durations_s=(1.6, 3.2), sampling=QUICK)
     for motion in motions:
         assert [(s.start_s, s.end_s) for s in motion.segments] == [(0.0, 1.6), (1.6, 4.8)]
@@ -85,7 +85,7 @@ def test_durations_are_kept(generator: MotionGenerator) -> None:
     assert motion.duration_s == pytest.approx(7.0)
 
 
-def test_uniform_layout_shares_the_time(generator: MotionGenerator) -> None:
+def test_uniform_layout_shares_the_time(generator: Performer) -> None:
     mask = MaskTransformer(replace(generator.mask.config, layout="uniform")).eval()
     uniform = replace(generator, mask=mask)
     (motion,) = uniform.generate(PROMPT, SEGMENTS, seed=0, durations_s=(1.6, 3.2), sampling=QUICK)
@@ -102,7 +102,7 @@ def test_uniform_layout_shares_the_time(generator: MotionGenerator) -> None:
         ({"durations_s": (3.0, -0.5)}, "must be positive"),
     ],
 )
-def test_unusable_numbers_are_refused(generator: MotionGenerator, arguments: dict, message: str) -> None:
+def test_unusable_numbers_are_refused(generator: Performer, arguments: dict, message: str) -> None:
     with pytest.raises(InvalidOption, match=message):
         generator.generate(PROMPT, SEGMENTS, seed=0, **arguments)
 
@@ -118,7 +118,7 @@ def lasting(seconds: float) -> DurationModel:
     return model
 
 
-def test_a_long_sentence_is_generated_in_parts(generator: MotionGenerator) -> None:
+def test_a_long_sentence_is_generated_in_parts(generator: Performer) -> None:
     """Nothing is hurried, and no part begins with a jump."""
     texts = (*SEGMENTS, "a person squats")
     slow = replace(generator, durations=lasting(4.0))
@@ -134,7 +134,7 @@ def test_a_long_sentence_is_generated_in_parts(generator: MotionGenerator) -> No
 
 
 def test_an_action_that_takes_too_long_is_hurried_and_said(
-    generator: MotionGenerator, capsys: pytest.CaptureFixture[str]
+    generator: Performer, capsys: pytest.CaptureFixture[str]
 ) -> None:
     slow = replace(generator, durations=lasting(12.0))
     (motion,) = slow.generate(SEGMENTS[0], SEGMENTS[:1], seed=0, sampling=QUICK)
@@ -154,7 +154,7 @@ def test_whole_tokens(durations: list[float]) -> None:
 
 def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
-        MotionGenerator.load(tmp_path)
+        Performer.load(tmp_path)
     for name in ("tokenizer", "mask", "residual", "durations"):
         (tmp_path / name).mkdir()
         for file in (weights.WEIGHTS, weights.CONFIG):
@@ -163,7 +163,7 @@ def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> 
     mask = MaskTransformer(saved.config_as(TransformerConfig))
     weights.save(tmp_path / "mask", mask.config, mask, {"tokenizer": "another"})
     with pytest.raises(NoWeights, match="trained with another tokenizer"):
-        MotionGenerator.load(tmp_path)
+        Performer.load(tmp_path)
 
 
 def test_generate_command_writes_a_motion(folder: Path, tmp_path: Path) -> None:
@@ -193,7 +193,7 @@ def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.Mon
     command = Train(stage="all", dataset=dataset, out=tmp_path / "out", iterations=2, threads=1, device="cpu")
     assert command.run() == 0
     torch.set_num_threads(before)
-    (motion,) = MotionGenerator.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    (motion,) = Performer.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
     assert motion.joints.shape[1:] == (22, 3)
 
 

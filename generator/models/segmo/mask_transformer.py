@@ -8,9 +8,9 @@ import torch
 from torch import Tensor, nn
 
 from generator.config import MAX_TOKENS, Sampling, TransformerConfig
-from generator.models.alignment import SegmentAlignment
-from generator.models.conditioning import Condition, Conditioning, SegmentConditioning
-from generator.models.layers import Transformer
+from generator.models.segmo.alignment import SegmentAlignment
+from generator.models.segmo.conditioning import Condition, Conditioning, SegmentConditioning
+from generator.nn.layers import Transformer
 
 RANDOM_SHARE, MASK_SHARE = 0.1, 0.88
 EMBEDDING_STD = 0.02

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from generator.config import TOKEN_FRAMES
 from generator.data.body import BALL_HEIGHT
-from generator.foot_lock import lock_feet, standing_height
-from generator.splice import splice
+from generator.postprocess.foot_lock import lock_feet, standing_height
+from generator.postprocess.stitch import stitch
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion
@@ -24,7 +24,7 @@ _ENCODED: Final = 15 * TOKEN_FRAMES
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Context:
     """Given frames before and after the ones to be generated.
 
     Attributes:
@@ -85,11 +85,11 @@ class Surroundings:
         before, after = (count * TOKEN_FRAMES for count in self.tokens)
         given = self.before[len(self.before) - before :], self.after[:after]
         window = decode(features) - [0.0, 0.0, BALL_HEIGHT - self.rest]
-        middle, follows = splice(given[0], window, given[1])
+        middle, follows = stitch(given[0], window, given[1])
         if foot_lock:
             rest = self.rest if before or after else None
             window = lock_feet(np.concatenate([given[0], middle, follows]), features[:, -4:], rest)
-            middle, follows = splice(given[0], window, given[1])
+            middle, follows = stitch(given[0], window, given[1])
         return middle, follows
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.splice import BLEND, Floats, placed, splice
+from generator.postprocess.stitch import BLEND, Floats, placed, stitch
 
 
 def smooth_motion(frames: int, seed: int) -> Floats:
@@ -26,7 +26,7 @@ def test_placing_undoes_a_move_over_the_floor(angle: float, x: float, y: float) 
 
 def test_a_window_that_fits_stays_as_it_is() -> None:
     motion = smooth_motion(60, 1)
-    middle, after = splice(motion[:20], motion, motion[40:])
+    middle, after = stitch(motion[:20], motion, motion[40:])
     np.testing.assert_allclose(middle, motion[20:40], atol=1e-9)
     np.testing.assert_allclose(after, motion[40:], atol=1e-9)
 
@@ -36,7 +36,7 @@ def test_place_and_velocity_are_continuous_at_both_joints(frames: int) -> None:
     """A window of other poses: at the joints no step exceeds the steps of the motions by more than its easing."""
     given_motion, window = smooth_motion(40 + frames, 2), smooth_motion(40 + frames, 2) + 0.03
     window += 0.02 * np.sin(np.arange(len(window)) / 9)[:, None, None]
-    middle, after = splice(given_motion[:20], window, given_motion[-20:])
+    middle, after = stitch(given_motion[:20], window, given_motion[-20:])
     whole = np.concatenate([given_motion[:20], middle, after])
     steps = np.linalg.norm(np.diff(whole, axis=0), axis=-1).max(axis=1)
     smooth = np.linalg.norm(np.diff(given_motion, axis=0), axis=-1).max()
@@ -47,6 +47,6 @@ def test_place_and_velocity_are_continuous_at_both_joints(frames: int) -> None:
 
 def test_only_the_blend_differs_from_the_window() -> None:
     before, window = smooth_motion(20, 3), smooth_motion(60, 4)
-    middle, _ = splice(before, window, window[:0])
+    middle, _ = stitch(before, window, window[:0])
     expected = placed(window, window[:20], before)
     np.testing.assert_allclose(middle[BLEND:], expected[20 + BLEND :], atol=1e-12)

@@ -13,13 +13,13 @@ from generator import weights
 from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, SegmentationKind, TokenizerConfig
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.drawing import drawing_weights
-from generator.models.conditioning import Condition
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.objectives.tokenizer import batches_of_equal_length, feature_batch
+from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.text.counts import MOST, segment_counts
 from generator.text.meanwhile import LINK, clauses_at_once
-from generator.training.segmentation_table import segmentation_table
 from generator.training.text_cache import TextTable, text_table
-from generator.training.tokenizer import batches_of_equal_length, feature_batch
 from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidFile
 

@@ -16,8 +16,8 @@ from torch import Tensor
 from torch.nn import functional
 
 from generator.config import Sampling
-from generator.models.conditioning import Condition
-from generator.models.mask_transformer import MaskTransformer
+from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.mask_transformer import MaskTransformer
 
 SEAM_TOKENS: Final = 1
 

@@ -8,8 +8,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import Training, TransformerConfig
-from generator.models.mask_transformer import MaskTransformer, mask_tokens
-from generator.training.batches import TokenBatch, TokenBatches, TokenCorpus
+from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens
+from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
 from ros_free_stack.errors import InvalidOption
 
 VALIDATION_CLIPS = 512

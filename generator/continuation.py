@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from generator.generate import MotionGenerator
+from generator.performer import Performer
 from ros_free_stack.messages import HumanMotion
 
 
@@ -19,7 +19,7 @@ class Continuation:
         last: what the latest prompt gave, or the motion to go on from.
     """
 
-    generator: MotionGenerator
+    generator: Performer
     seed: int
     last: HumanMotion | None = None
     appended: int = 0
@@ -28,7 +28,7 @@ class Continuation:
         """The motion of the next prompt, in the world frame of the ones before.
 
         Raises:
-            InvalidOption: see `MotionGenerator.generate`.
+            InvalidOption: see `Performer.generate`.
         """
         seed = int(np.random.SeedSequence((self.seed, self.appended)).generate_state(1)[0])
         (chunk,) = self.generator.generate(prompt, segments, seed=seed, duration_s=duration_s, start=self.last)

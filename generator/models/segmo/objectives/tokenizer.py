@@ -11,7 +11,7 @@ from torch.nn import functional
 
 from generator.config import TOKEN_FRAMES, TokenizerConfig, Training
 from generator.data.dataset import Clip, MotionDataset
-from generator.models.tokenizer import MotionTokenizer
+from generator.models.segmo.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D
 from ros_free_stack.skeleton import BONES

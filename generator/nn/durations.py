@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import MAX_SEGMENTS, MAX_TOKENS, MIN_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, DurationsConfig
-from generator.models.conditioning import WhitenedText, check_segments
+from generator.models.segmo.conditioning import WhitenedText, check_segments
 from generator.text.counts import MOST
 from ros_free_stack.skeleton import FPS
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from generator.config import MAX_TOKENS, TOKEN_FRAMES, TOKEN_S
-from generator.surroundings import CONTEXT_TOKENS
+from generator.postprocess.context import CONTEXT_TOKENS
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS

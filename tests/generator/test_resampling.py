@@ -9,9 +9,9 @@ import torch
 from numpy.typing import NDArray
 
 from generator.config import PRESETS, Sampling
-from generator.drafts import SEAM_TOKENS, Drafting
-from generator.models.conditioning import Condition, stack_lengths
-from generator.models.mask_transformer import MaskTransformer
+from generator.models.segmo.conditioning import Condition, stack_lengths
+from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.resampling import SEAM_TOKENS, Drafting
 
 PARTS, CODES, LENGTHS = 2, 24, (6, 7, 5)
 CONFIG = replace(PRESETS["small"].mask, width=32, layers=1, feed_forward=64, codes=CODES, parts=PARTS)

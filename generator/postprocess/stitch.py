@@ -11,7 +11,7 @@ BLEND: Final = 8
 """Frames over which the difference between given and generated poses decays."""
 
 
-def splice(before: Floats, window: Floats, after: Floats) -> tuple[Floats, Floats]:
+def stitch(before: Floats, window: Floats, after: Floats) -> tuple[Floats, Floats]:
     """The middle of a generated window, joined to the given motions that its ends repeat.
 
     At either end the difference in place and velocity between given and generated frames decays over `BLEND` frames

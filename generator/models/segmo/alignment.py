@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import AlignmentKind
-from generator.models.conditioning import segment_numbers
+from generator.models.segmo.conditioning import segment_numbers
 
 TEMPERATURE = 0.1
 

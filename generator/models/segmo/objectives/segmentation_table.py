@@ -7,8 +7,8 @@ import numpy as np
 
 from generator.config import MAX_SEGMENTS, TOKEN_FRAMES, SegmentationKind
 from generator.data.dataset import Clip, MotionDataset
-from generator.models import segmentation
-from generator.models.conditioning import segment_lengths, uniform_lengths
+from generator.models.segmo import segmentation
+from generator.models.segmo.conditioning import segment_lengths, uniform_lengths
 from ros_free_stack.console import progress
 from ros_free_stack.files import atomic_path
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from generator.config import Sampling
-from generator.continuous import Continuation
+from generator.continuation import Continuation
 from generator.data.actions import perform
 from generator.data.pose import joints
 from generator.data.scene import Scene
-from generator.generate import MotionGenerator
-from generator.ranges import concatenated
+from generator.editing import concatenated
+from generator.performer import Performer
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion, Segment
@@ -24,9 +24,9 @@ QUICK = Sampling(steps=3)
 
 
 @pytest.fixture(scope="module")
-def generator() -> MotionGenerator:
+def generator() -> Performer:
     """The models that come with the program."""
-    return MotionGenerator.load()
+    return Performer.load()
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def bends(motion: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("cut", [0, 13, 26])
-def test_a_motion_goes_on_without_a_jump(generator: MotionGenerator, walk: HumanMotion, cut: int) -> None:
+def test_a_motion_goes_on_without_a_jump(generator: Performer, walk: HumanMotion, cut: int) -> None:
     start = replace(walk, joints=walk.joints[: len(walk.joints) - cut])
     (motion,) = generator.generate("a person waves", WAVE, seed=0, duration_s=3.0, start=start, sampling=QUICK)
     assert motion.duration_s == pytest.approx(3.0)
@@ -62,7 +62,7 @@ def test_a_motion_goes_on_without_a_jump(generator: MotionGenerator, walk: Human
     assert bends(whole)[edge - 3 : edge + 1].max() < 0.1
 
 
-def test_parts_of_a_long_sentence_join_without_a_jump(generator: MotionGenerator) -> None:
+def test_parts_of_a_long_sentence_join_without_a_jump(generator: Performer) -> None:
     texts = ("a person walks forward", "a person squats four times", "a person claps four times", "a person bows")
     (motion,) = generator.generate(", then ".join(texts), texts, seed=0, sampling=QUICK)
     assert motion.duration_s > 11
@@ -72,7 +72,7 @@ def test_parts_of_a_long_sentence_join_without_a_jump(generator: MotionGenerator
     assert max(bends(motion.joints)[edge - 3 : edge + 1].max() for edge in edges) < 0.1
 
 
-def test_a_range_is_replaced_and_the_rest_kept(generator: MotionGenerator, walk: HumanMotion) -> None:
+def test_a_range_is_replaced_and_the_rest_kept(generator: Performer, walk: HumanMotion) -> None:
     for start_s, end_s in ((1.0, 3.0), (0.0, 1.4), (2.0, walk.duration_s)):
         (edited,) = generator.edit(walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0, sampling=QUICK)
         first, last = round(start_s * 20), min(round(end_s * 20), len(walk.joints))
@@ -93,7 +93,7 @@ def test_a_range_is_replaced_and_the_rest_kept(generator: MotionGenerator, walk:
         assert all(a[1] == pytest.approx(b[0]) for a, b in pairwise(ends))
 
 
-def test_prompts_are_appended_in_one_world(generator: MotionGenerator) -> None:
+def test_prompts_are_appended_in_one_world(generator: Performer) -> None:
     def run() -> list[HumanMotion]:
         continuation = Continuation(generator, seed=3)
         return [continuation.append(text, (text,), duration_s=2.4) for text in (*BOTH, "a person walks forward")]
@@ -108,7 +108,7 @@ def test_prompts_are_appended_in_one_world(generator: MotionGenerator) -> None:
     assert abs(chunks[2].joints[:, [10, 11], 2].min() - chunks[0].joints[:, [10, 11], 2].min()) < 0.01
 
 
-def test_same_seed_same_bytes(generator: MotionGenerator, walk: HumanMotion) -> None:
+def test_same_seed_same_bytes(generator: Performer, walk: HumanMotion) -> None:
     def run(seed: int) -> list[bytes]:
         motions = generator.edit(
             walk, "a person waves", WAVE, start_s=1, end_s=2, seed=seed, candidates=2, sampling=QUICK
@@ -129,14 +129,12 @@ def test_same_seed_same_bytes(generator: MotionGenerator, walk: HumanMotion) -> 
         (1.0, 1.2, "must last 0.4 to 7.8 s, found 0.2 s"),
     ],
 )
-def test_unusable_ranges(
-    generator: MotionGenerator, walk: HumanMotion, start_s: float, end_s: float, message: str
-) -> None:
+def test_unusable_ranges(generator: Performer, walk: HumanMotion, start_s: float, end_s: float, message: str) -> None:
     with pytest.raises(InvalidOption, match=message):
         generator.edit(walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0)
 
 
-def test_the_whole_motion_is_no_range(generator: MotionGenerator, walk: HumanMotion) -> None:
+def test_the_whole_motion_is_no_range(generator: Performer, walk: HumanMotion) -> None:
     short = replace(walk, joints=walk.joints[:60])
     with pytest.raises(InvalidOption, match="is the whole motion"):
         generator.edit(short, "a person waves", WAVE, start_s=0, end_s=3, seed=0)
@@ -146,13 +144,13 @@ def test_the_whole_motion_is_no_range(generator: MotionGenerator, walk: HumanMot
     ("change", "message"),
     [({"fps": 30.0}, "has 30 frames a second, the models need 20"), ({}, "needs at least 1 s to go on from")],
 )
-def test_unusable_starts(generator: MotionGenerator, walk: HumanMotion, change: dict[str, Any], message: str) -> None:
+def test_unusable_starts(generator: Performer, walk: HumanMotion, change: dict[str, Any], message: str) -> None:
     start = replace(walk, **change) if change else replace(walk, joints=walk.joints[:10])
     with pytest.raises(InvalidOption, match=message):
         generator.generate("a person waves", WAVE, seed=0, start=start)
 
 
-def test_no_room_for_so_much_after_a_start(generator: MotionGenerator, walk: HumanMotion) -> None:
+def test_no_room_for_so_much_after_a_start(generator: Performer, walk: HumanMotion) -> None:
     with pytest.raises(InvalidOption, match=r"outside of 2 to 8.8 s"):
         generator.generate("a person waves", WAVE, seed=0, start=walk, duration_s=9.5)
     with pytest.raises(InvalidOption, match="1 to 5 segments, found 6"):

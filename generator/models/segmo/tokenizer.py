@@ -13,8 +13,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import FEATURES, TOKEN_FRAMES, TokenizerConfig
-from generator.models.parts import part_channels
-from generator.models.quantizer import Quantized, ResidualQuantizer
+from generator.models.segmo.parts import part_channels
+from generator.nn.quantizer import Quantized, ResidualQuantizer
 
 MIN_STD = 1e-3  # features that hardly vary are not blown up
 

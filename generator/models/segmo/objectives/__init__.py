@@ -1,0 +1,1 @@
+"""Training of SegMo: batches of tokens, and one objective a stage."""

@@ -1,0 +1,1 @@
+"""Building blocks that generators share: layers, quantizer, networks of durations and of the evaluator."""
