@@ -18,17 +18,10 @@ import torch
 import tyro
 
 from generator import weights
-from generator.config import (
-    TOKEN_S,
-    AlignmentKind,
-    ConditioningKind,
-    SegmentationKind,
-    TokenizerConfig,
-    Training,
-    TransformerConfig,
-)
+from generator.config import AlignmentKind, SegmentationKind, Training
 from generator.data.dataset import MotionDataset
 from generator.grounding.consistency import consistency, paired_segments
+from generator.models.segmo.config import TOKEN_S, ConditioningKind, TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
 from generator.models.segmo.objectives.mask import MaskObjective

@@ -4,7 +4,7 @@ python -m benchmarks.generation_speed --threads 2
 
 Every variant replaces the layers of the mask and the residual transformer, is timed in turn with the plain eager
 float32 program (so that a change of the computer's load meets both), and is compared with it in what it draws from the
-same seed. Only "drawn again where wrong", as the program does unless told otherwise, holds drafts against the text.
+same seed. Only "resampled where wrong", as the program does unless told otherwise, holds samples against the text.
 What a variant costs before its first motion is shown as its own column. ONNX Runtime is tried where it is installed
 (`pip install onnx onnxruntime`).
 """
@@ -26,15 +26,17 @@ import torch
 import tyro
 
 from benchmarks.speed_variants import VARIANTS
-from generator.config import MAX_TOKENS, TOKEN_S, Sampling
-from generator.models.segmo.conditioning import Condition, uniform_lengths
-from generator.performer import WEIGHTS_FOLDER, Performer
+from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.config import MAX_TOKENS, TOKEN_S
+from generator.models.segmo.model import SegMo
+from generator.performer import FIRST_SAMPLES, WEIGHTS_FOLDER, Performer, PerformerSettings
 from generator.postprocess.foot_lock import lock_feet
 from generator.text.counts import segment_counts
 from generator.text.domain import Domain
 from generator.text.meanwhile import encode_segments
 from generator.text.splitter import Splitter
 from generator.text.understanding import DOMAIN
+from generator.timing import uniform_lengths
 from ros_free_stack.console import say
 from ros_free_stack.errors import StackError, UnknownName
 from ros_free_stack.formats.features import decode
@@ -42,8 +44,7 @@ from ros_free_stack.formats.features import decode
 PROMPT = "a person walks forward, then waves with the right hand"
 DURATION_S = MAX_TOKENS * TOKEN_S
 ANOTHER_SEED = "eager, another seed"
-CHECKED = "drawn again where wrong"
-PLAIN = Sampling(rounds=0)
+CHECKED = "resampled where wrong"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,24 +86,24 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Bench:
-    """What every measurement uses, loaded once."""
+    """What every measurement uses, loaded once; the model is a SegMo."""
 
     generator: Performer
     splitter: Splitter
     domain: Domain
 
-    def prompt_to_motion(self, generator: Performer, candidates: int, sampling: Sampling) -> float:
+    def prompt_to_motion(self, generator: Performer, candidates: int, settings: PerformerSettings) -> float:
         """Seconds of a warm prompt through the program's own stages."""
         start = perf_counter()
         segments = self.splitter.split(PROMPT)
         self.domain.similarity(segments)
-        generator.generate(PROMPT, segments, seed=0, candidates=candidates, duration_s=DURATION_S, sampling=sampling)
+        generator.generate(PROMPT, segments, seed=0, candidates=candidates, duration_s=DURATION_S, settings=settings)
         return perf_counter() - start
 
     @torch.inference_mode()
-    def draw(self, generator: Performer, candidates: int, sampling: Sampling, seed: int = 0) -> Drawn:
+    def draw(self, generator: Performer, candidates: int, seed: int = 0) -> Drawn:
         """The stages one by one, with a layout that does not depend on the durations model."""
-        laps, noise = Laps(), torch.Generator().manual_seed(seed)
+        laps, noise, model = Laps(), torch.Generator().manual_seed(seed), segmo(generator)
         segments = self.splitter.split(PROMPT)
         laps.lap("split")
         self.domain.similarity(segments)
@@ -121,11 +122,11 @@ class Bench:
             counts.expand(candidates, -1, -1),
             lengths,
         )
-        base = generator.mask.generate(condition, sampling, noise)
+        base = model.mask.generate(condition, model.settings, noise)
         laps.lap("mask steps")
-        tokens = generator.residual.generate(base, condition, sampling, noise)
+        tokens = model.residual.generate(base, condition, model.settings, noise)
         laps.lap("residual layers")
-        features = [generator.tokenizer.decode(tokens[:, i : i + 1])[0].numpy() for i in range(candidates)]
+        features = [model.tokenizer.decode(tokens[:, i : i + 1])[0].numpy() for i in range(candidates)]
         laps.lap("decode tokens")
         joints = [decode(rows) for rows in features]
         laps.lap("features to joints")
@@ -136,10 +137,17 @@ class Bench:
 
     def variant(self, name: str) -> Performer:
         """The generator with another way to run its layers."""
-        mask, residual = copy.deepcopy(self.generator.mask), copy.deepcopy(self.generator.residual)
-        for model in (mask, residual):
-            model.transformer = VARIANTS[name](model.transformer)  # pyright: ignore[reportAttributeAccessIssue]
-        return replace(self.generator, mask=mask, residual=residual)
+        model = segmo(self.generator)
+        mask, residual = copy.deepcopy(model.mask), copy.deepcopy(model.residual)
+        for network in (mask, residual):
+            network.transformer = VARIANTS[name](network.transformer)  # pyright: ignore[reportAttributeAccessIssue]
+        return replace(self.generator, model=replace(model, mask=mask, residual=residual))
+
+
+def segmo(generator: Performer) -> SegMo:
+    """The model of a performer, which has to be a SegMo."""
+    assert isinstance(generator.model, SegMo)
+    return generator.model
 
 
 def run(arguments: Arguments) -> dict[str, Any]:
@@ -157,11 +165,11 @@ def run(arguments: Arguments) -> dict[str, Any]:
     generator = Performer.load(arguments.weights)
     bench = Bench(generator, Splitter(), Domain.load(arguments.weights / DOMAIN, generator.text_encoder))
     profile = {count: parts(bench, count, arguments.repeats) for count in arguments.candidates}
-    ways: dict[str, tuple[Callable[[], Performer], Sampling, int]] = {
-        name: (lambda name=name: bench.variant(name), PLAIN, 0) for name in arguments.variants
+    ways: dict[str, tuple[Callable[[], Performer], PerformerSettings, int]] = {
+        name: (lambda name=name: bench.variant(name), FIRST_SAMPLES, 0) for name in arguments.variants
     }
-    ways[CHECKED] = (lambda: generator, Sampling(), 0)
-    ways[ANOTHER_SEED] = (lambda: generator, PLAIN, 1)
+    ways[CHECKED] = (lambda: generator, PerformerSettings(), 0)
+    ways[ANOTHER_SEED] = (lambda: generator, FIRST_SAMPLES, 1)
     compared: list[dict[str, Any]] = []
     for name, way in ways.items():
         say(name)
@@ -183,7 +191,7 @@ def cold_start(arguments: Arguments, candidates: int) -> dict[str, float]:
 
 def parts(bench: Bench, candidates: int, repeats: int) -> dict[str, float]:
     """Median seconds of each part of a warm prompt."""
-    runs = [bench.draw(bench.generator, candidates, PLAIN).seconds for _ in range(repeats + 1)][1:]
+    runs = [bench.draw(bench.generator, candidates).seconds for _ in range(repeats + 1)][1:]
     return {part: median(run[part] for run in runs) for part in runs[0]}
 
 
@@ -191,7 +199,7 @@ def compare(
     bench: Bench,
     name: str,
     make: Callable[[], Performer],
-    sampling: Sampling,
+    settings: PerformerSettings,
     seed: int,
     arguments: Arguments,
 ) -> list[dict[str, Any]]:
@@ -202,19 +210,19 @@ def compare(
         warnings.simplefilter("ignore")
         generator = make()
         for count in arguments.candidates:
-            bench.prompt_to_motion(generator, count, sampling)
+            bench.prompt_to_motion(generator, count, settings)
     first_s = perf_counter() - start
     for count in arguments.candidates:
         pairs = [
             (
-                bench.prompt_to_motion(bench.generator, count, PLAIN),
-                bench.prompt_to_motion(generator, count, sampling),
+                bench.prompt_to_motion(bench.generator, count, FIRST_SAMPLES),
+                bench.prompt_to_motion(generator, count, settings),
             )
             for _ in range(arguments.repeats)
         ]
         eager_s, own_s = (median(times) for times in zip(*pairs, strict=True))
-        expected = bench.draw(bench.generator, count, PLAIN)
-        found = bench.draw(generator, count, sampling, seed)
+        expected = bench.draw(bench.generator, count)
+        found = bench.draw(generator, count, seed)
         rows.append(
             {
                 "variant": name,

@@ -16,12 +16,12 @@ import torch
 import tyro
 from torch import Tensor
 
-from generator.config import TOKEN_S
 from generator.data.dataset import Clip, LabelledSegment, MotionDataset
 from generator.grounding.consistency import consistency, recall
 from generator.grounding.search import ground
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
+from generator.models.segmo.config import TOKEN_S
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
 from generator.models.segmo.segmentation import boundary_iou
 from generator.performer import WEIGHTS_FOLDER

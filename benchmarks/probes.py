@@ -16,13 +16,12 @@ from typing import Any, Final, Literal
 import numpy as np
 import tyro
 
-from generator.config import Sampling
 from generator.data.actions import ACTIONS
 from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
-from generator.performer import WEIGHTS_FOLDER, Performer
+from generator.performer import WEIGHTS_FOLDER, Performer, PerformerSettings
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
 from generator.probes.named import named
 from generator.probes.signals import Signals
@@ -55,8 +54,8 @@ class Arguments:
     """Sentences of each kind for one seed."""
     candidates: int = 1
     """Motions generated for each sentence; the evaluator chooses among them."""
-    rounds: int = Sampling.rounds
-    """How often the generator draws again what does not show its text; 0 takes the first draft."""
+    rounds: int = PerformerSettings.rounds
+    """How often what does not show its text is sampled again; 0 takes the first sample."""
     clips: int = 600
     """Clips of real motion."""
     segments: Literal["given", "split"] = "given"
@@ -180,14 +179,14 @@ def probe_generated(arguments: Arguments) -> Tally:
         for number, kind in enumerate(KINDS)
         for index in range(arguments.sentences)
     ]
-    tally, sampling = Tally(), Sampling(rounds=arguments.rounds)
+    tally, settings = Tally(), PerformerSettings(rounds=arguments.rounds)
     for seed, sentence in progress(drawn, "generating", total=len(drawn)):
         texts = split(sentence.prompt) if split else sentence.texts
         if len(texts) != len(sentence.texts):
             tally.add(sentence.kind, sentence.wanted, None)
             continue
         motions = generator.generate(
-            sentence.prompt, texts, seed=seed, candidates=arguments.candidates, sampling=sampling
+            sentence.prompt, texts, seed=seed, candidates=arguments.candidates, settings=settings
         )
         motion = motions[int(np.argmin(ranker.distances(sentence.prompt, motions)))] if ranker else motions[0]
         tally.add(sentence.kind, sentence.wanted, _check(motion, sentence.wanted))

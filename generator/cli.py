@@ -132,7 +132,7 @@ class Generate(Command):
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
-        missing = [generator.missing(motion) for motion in motions]
+        missing = [generator.mismatches(motion) for motion in motions]
         found = {
             "files": [str(path) for path in paths],
             "segments": [vars(s) for s in motions[0].segments],
@@ -162,14 +162,15 @@ class Generate(Command):
         self, generator: "Performer", sentences: list[tuple[str, tuple[str, ...]]]
     ) -> "tuple[HumanMotion, ...]":
         """The motions of the sentences and their segments, as the options ask for them."""
-        from generator.continuation import Continuation
-        from generator.editing import concatenated
+        from generator.continuation import Continuation, concatenated
+        from generator.editing import edit
         from ros_free_stack.files import load_motion
 
         (prompt, segments), *_ = sentences
         start = None if self.start is None else load_motion(self.start)
         if self.edit is not None and self.range is not None:
-            return generator.edit(
+            return edit(
+                generator,
                 load_motion(self.edit),
                 prompt,
                 segments,

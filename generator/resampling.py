@@ -1,12 +1,12 @@
-"""Drafts: what does not show its text is drawn again.
+"""Best of N: what does not show its text is sampled again.
 
-A first draft that shows all of its texts stays. Otherwise the segments in which it is wrong are drawn anew, with a
-token of either neighbour, while the rest is held: a mask transformer fills in what is missing. Of several such drafts
-the one with the fewest mistakes stays, and what is still wrong in it is drawn again.
+A first sample that shows all of its texts stays. Otherwise the segments in which it is wrong are sampled anew, with a
+little of either neighbour, while the rest is held. Of several such samples the one with the fewest mistakes stays, and
+what is still wrong in it is sampled again.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,57 +15,73 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from generator.config import Sampling
-from generator.models.segmo.conditioning import Condition
-from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.model import Known, MotionModel, Sample, Sampling, TextCondition
 
-SEAM_TOKENS: Final = 1
+SEAM_S: Final = 0.2
+"""So much of either neighbour is sampled anew too."""
 
 Judge = Callable[[Tensor, Sequence[int]], NDArray[np.int64]]
-"""Base tokens (P, T) of a motion and the tokens of each segment (A,) to how much is wrong with each (A,)."""
+"""Features (T, F) of a motion and the frames of each segment (A,) to how much is wrong with each (A,)."""
 
 
 @dataclass(frozen=True)
-class Drafting:
-    """Draws base tokens; `judge` compares the drafts."""
+class Resampler:
+    """Samples of a model; `judge` compares them.
 
-    mask: MaskTransformer
+    Attributes:
+        samples, rounds: how many samples of what is wrong are compared, and how often.
+    """
+
+    model: MotionModel
     sampling: Sampling
     judge: Judge
+    samples: int = 8
+    rounds: int = 3
 
-    def draw(self, condition: Condition, known: Tensor, noise: torch.Generator) -> Tensor:
-        """Base tokens (P, B, T), zero on padding; `known` (P, B, T) has those that are given, -1 elsewhere."""
-        tokens = torch.zeros_like(known)
-        for row in range(known.shape[1]):
-            alone = condition[torch.tensor([row], device=known.device)]
-            tokens[:, row, : alone.tokens] = self._best(alone, known[:, row, : alone.tokens], noise)
-        return tokens
+    def sample(self, text: TextCondition, known: Known | None, noise: torch.Generator) -> Sample:
+        """The best sample of a single motion.
 
-    def _best(self, condition: Condition, known: Tensor, noise: torch.Generator) -> Tensor:
-        """Base tokens (P, T) of a single motion."""
-        lengths = condition.lengths[0]
-        best, wrong = self._least_wrong(condition, known, noise)
-        drafts = condition.repeated(self.sampling.drafts)
-        for _ in range(self.sampling.rounds):
+        Args:
+            text: one row.
+            known: frames that stay.
+        """
+        best, wrong = self._least_wrong(text, known, noise)
+        several = text.repeated(self.samples)
+        for _ in range(self.rounds):
             if not wrong.any():
                 break
-            again = _widened(torch.from_numpy(wrong > 0).to(lengths.device).repeat_interleave(lengths))
-            held = torch.where(known >= 0, known, best.masked_fill(again, -1))
-            tokens, found = self._least_wrong(drafts, held, noise)
-            if found.sum() < wrong.sum():
-                best, wrong = tokens, found
+            held = self._held(best, self._widened(wrong, text.frames[0]), known).repeated(self.samples)
+            found, mistakes = self._least_wrong(several, held, noise)
+            if mistakes.sum() < wrong.sum():
+                best, wrong = found, mistakes
         return best
 
-    def _least_wrong(self, drafts: Condition, held: Tensor, noise: torch.Generator) -> tuple[Tensor, NDArray[np.int64]]:
-        """The draft (P, T) with the fewest mistakes of those that complete the held tokens (P, T), and its mistakes."""
-        count = len(drafts.lengths)
-        tokens = self.mask.generate(drafts, self.sampling, noise, held[:, None].expand(-1, count, -1))
-        found = [self.judge(tokens[:, row], drafts.lengths[row].tolist()) for row in range(count)]
+    def _least_wrong(
+        self, text: TextCondition, known: Known | None, noise: torch.Generator
+    ) -> tuple[Sample, NDArray[np.int64]]:
+        """The sample with the fewest mistakes, one for each row, and its mistakes (A,)."""
+        samples = self.model.sample(text, known=known, sampling=self.sampling, noise=noise)
+        found = [
+            self.judge(sample.features, frames[frames > 0].tolist())
+            for sample, frames in zip(samples, text.frames, strict=True)
+        ]
         least = int(np.argmin([mistakes.sum() for mistakes in found]))
-        return tokens[:, least], found[least]
+        return samples[least], found[least]
 
+    def _widened(self, wrong: NDArray[np.int64], frames: Tensor) -> Tensor:
+        """(T,) true on the frames of the segments that are wrong, and on a seam of either neighbour."""
+        spec = self.model.spec
+        seam = max(1, round(SEAM_S / spec.token_s)) * spec.token_frames
+        lengths = frames[frames > 0]
+        chosen = torch.from_numpy(wrong > 0).to(lengths.device).repeat_interleave(lengths)
+        return functional.max_pool1d(chosen.float()[None], 2 * seam + 1, stride=1, padding=seam)[0] > 0
 
-def _widened(chosen: Tensor) -> Tensor:
-    """(T,) flags with those of so many neighbours to either side."""
-    width = 2 * SEAM_TOKENS + 1
-    return functional.max_pool1d(chosen.float()[None], width, stride=1, padding=SEAM_TOKENS)[0] > 0
+    def _held(self, sample: Sample, again: Tensor, known: Known | None) -> Known:
+        """The sample as known frames but for those to be sampled `again` (T,); what was given stays given."""
+        features = sample.features[None]
+        mask = ~again[None]
+        latent = None if sample.latent is None else sample.latent[..., None, :]
+        if known is None:
+            return Known(features, mask, features[0, :0], features[0, :0], latent)
+        given = features if latent is not None else torch.where(known.mask[..., None], known.features, features)
+        return replace(known, features=given, mask=mask | known.mask, latent=latent)

@@ -72,7 +72,7 @@ class Pipeline:
 
     def missing(self, motion: HumanMotion) -> tuple[str, ...]:
         """What a motion does not show of its segments' texts."""
-        return self._generator.missing(motion)
+        return self._generator.mismatches(motion)
 
     def distances(self, prompt: str, motions: tuple[HumanMotion, ...]) -> list[float]:
         """How far each motion is from its sentence."""

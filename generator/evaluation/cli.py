@@ -1,6 +1,6 @@
 """The subcommand `evaluate`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -11,9 +11,11 @@ from ros_free_stack.console import Command
 
 if TYPE_CHECKING:
     from generator.evaluation.embedder import Embedder
+    from generator.evaluation.evaluation import Evaluation
     from generator.evaluation.pairs import Pair
+    from generator.evaluation.protocol import Score
 
-ROWS = ("real", "reconstruction", "generated")
+ROWS = ("real", "reconstruction", "first", "resampled")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +36,8 @@ class Evaluate(Command):
     clips: int | None = None
     """How many of them, drawn by the seed; all where not given."""
     rows: str = ",".join(ROWS)
-    """What is measured: real motion, the tokenizer's reconstruction of it, motion generated from its texts."""
+    """What is measured: real motion, the model's reconstruction of it, its first samples for the texts as they are, and
+    what `generate` writes: resampled where a motion does not show its text, with feet locked."""
     runs: int = 20
     """Runs over newly drawn pools, for the 95 % interval."""
     generations: int = 1
@@ -57,18 +60,15 @@ class Evaluate(Command):
 
         wanted = self._checked_rows()
         device = choose_device(self.device)
-        pairs, embedder = self._material(WEIGHTS_FOLDER / "evaluator", device, split_texts="generated" in wanted)
+        pairs, embedder = self._material(
+            WEIGHTS_FOLDER / "evaluator", device, split_texts=bool({"first", "resampled"} & set(wanted))
+        )
         evaluation = Evaluation(pairs, embedder, runs=self.runs, seed=self.seed)
         rows = {"real": evaluation.real_scores()} if "real" in wanted else {}
         folders = self.weights or (WEIGHTS_FOLDER,)
         for folder in folders:
             place = _suffix(folder, folders)
-            if "reconstruction" in wanted:
-                rows[f"reconstruction{place}"] = evaluation.reconstruction_scores(folder / "tokenizer", device)
-            if "generated" in wanted:
-                rows[f"generated{place}"] = evaluation.generated_scores(
-                    folder, device, generations=self.generations, multimodal_texts=self.multimodality
-                )
+            rows |= {f"{name}{place}": scores for name, scores in self._model_rows(evaluation, folder, wanted, device)}
         result = {
             "embedder": embedder.name,
             "clips": len(pairs),
@@ -82,6 +82,29 @@ class Evaluate(Command):
         title = f"{embedder.name}, {len(pairs)} clips, {result['distinct_captions']} distinct captions, pools of 32"
         self.report(result, table(rows, title), *([f"wrote {self.out}"] if self.out else []))
         return 0
+
+    def _model_rows(
+        self, evaluation: "Evaluation", folder: Path, wanted: Sequence[str], device: str
+    ) -> "Iterator[tuple[str, dict[str, Score]]]":
+        """The wanted rows of the models in a folder."""
+        from generator.performer import Performer
+
+        if not set(wanted) - {"real"}:
+            return
+        performer = Performer.load(folder, device=device)
+        if "reconstruction" in wanted and (scores := evaluation.reconstruction_scores(performer.model)):
+            yield "reconstruction", scores
+        for name in ("first", "resampled"):
+            if name in wanted:
+                yield (
+                    name,
+                    evaluation.generated_scores(
+                        performer,
+                        resampled=name == "resampled",
+                        generations=self.generations,
+                        multimodal_texts=self.multimodality,
+                    ),
+                )
 
     def _checked_rows(self) -> tuple[str, ...]:
         """The rows that are wanted, once the options are seen to be usable."""

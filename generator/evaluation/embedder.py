@@ -9,10 +9,9 @@ import torch
 from torch import Tensor
 
 from generator import weights
-from generator.config import EvaluatorConfig
 from generator.evaluation.metrics import Floats
 from generator.evaluation.pairs import Features, Pair
-from generator.nn.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 
 BATCH = 64

@@ -19,10 +19,10 @@ import torch
 from torch import Tensor, nn
 from torch.nn.utils.rnn import pack_padded_sequence, pad_sequence
 
-from generator.config import FEATURES, MAX_FRAMES, TOKEN_FRAMES
+from generator.config import FEATURES, MAX_FRAMES
 from generator.evaluation.embedder import in_batches
 from generator.evaluation.metrics import Floats
-from generator.evaluation.pairs import Features, Pair
+from generator.evaluation.pairs import UNIT, Features, Pair
 from generator.evaluation.words import FILES, TAGS, WIDTH, PublishedWords
 from generator.nn.evaluator import CONTACTS
 from ros_free_stack.errors import InvalidFile
@@ -134,7 +134,7 @@ class OfficialEmbedder:
         padded = torch.zeros(len(features), MAX_FRAMES, FEATURES, device=self._mean.device)
         for row, values in zip(padded, features, strict=True):
             row[: len(values)] = (torch.from_numpy(values).to(self._mean) - self._mean) / self._std
-        steps = torch.tensor([len(values) // TOKEN_FRAMES for values in features])
+        steps = torch.tensor([len(values) // UNIT for values in features])
         return self._motion(self._movement(padded[..., :-CONTACTS]), steps)
 
     def _texts(self, captions: list[tuple[tuple[str, str], ...]]) -> Tensor:

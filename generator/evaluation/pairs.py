@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.config import MAX_FRAMES, TOKEN_FRAMES
+from generator.config import MAX_FRAMES
 from generator.data.dataset import MotionDataset
 from generator.evaluation.metrics import POOL
 from ros_free_stack.errors import InvalidOption
 
 Features = NDArray[np.float32]
+
+UNIT = 4
+"""T2M's protocol cuts motions to multiples of so many frames."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +38,9 @@ class Pair:
         return len(self.features)
 
 
-def whole_tokens(features: NDArray[np.floating]) -> Features:
-    """The features without the frames that fill no token, at most the models' longest motion."""
-    return features[: min(len(features) // TOKEN_FRAMES * TOKEN_FRAMES, MAX_FRAMES)].astype(np.float32)
+def whole_units(features: NDArray[np.floating]) -> Features:
+    """The features without the frames that fill no unit, at most the longest motion."""
+    return features[: min(len(features) // UNIT * UNIT, MAX_FRAMES)].astype(np.float32)
 
 
 def corpus_pairs(dataset: MotionDataset, split: str, *, clips: int | None, seed: int) -> tuple[Pair, ...]:
@@ -52,7 +55,7 @@ def corpus_pairs(dataset: MotionDataset, split: str, *, clips: int | None, seed:
     pairs = []
     for clip in (chosen[row] for row in rows):
         caption = clip.captions[int(rng.integers(len(clip.captions)))]
-        pairs.append(Pair(whole_tokens(dataset.features(clip)), caption.text, caption.segments))
+        pairs.append(Pair(whole_units(dataset.features(clip)), caption.text, caption.segments))
     return tuple(pairs)
 
 

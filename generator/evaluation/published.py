@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.config import MIN_FRAMES, TOKEN_FRAMES
-from generator.evaluation.pairs import Features, Pair, drawn, whole_tokens
+from generator.config import MIN_FRAMES
+from generator.evaluation.pairs import UNIT, Features, Pair, drawn, whole_units
 from ros_free_stack.formats.humanml3d import PublishedDataset, TaggedCaption, open_humanml3d
 from ros_free_stack.skeleton import FPS
 
@@ -21,8 +21,8 @@ def published_pairs(
 ) -> tuple[Pair, ...]:
     """The motions of a split, each with a caption drawn by the seed.
 
-    As in T2M, a caption that is about a time span makes a clip of its own; motions are cut to whole tokens, every
-    third to one token less, at a random place.
+    As in T2M, a caption that is about a time span makes a clip of its own; motions are cut to whole units, every
+    third to one unit less, at a random place.
 
     Args:
         folder: with `new_joint_vecs/`, `texts/`, `train.txt` and the split's own list.
@@ -61,7 +61,7 @@ def _clips(data: PublishedDataset, name: str) -> list[tuple[Features, list[Tagge
 
 
 def _cropped(features: Features, rng: np.random.Generator) -> Features:
-    spare = TOKEN_FRAMES if rng.random() < 1 / 3 else 0
-    length = len(features) // TOKEN_FRAMES * TOKEN_FRAMES - spare
+    spare = UNIT if rng.random() < 1 / 3 else 0
+    length = len(features) // UNIT * UNIT - spare
     start = int(rng.integers(len(features) - length + 1))
-    return whole_tokens(features[start : start + length])
+    return whole_units(features[start : start + length])

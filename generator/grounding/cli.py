@@ -29,9 +29,9 @@ class Ground(Command):
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
-        from generator.config import TOKEN_S
         from generator.grounding.search import ground, similarity_map
         from generator.grounding.space import AlignedSpace
+        from generator.models.segmo.config import TOKEN_S
         from generator.performer import WEIGHTS_FOLDER
         from generator.text.encoder import TextEncoder
         from generator.text.meanwhile import encode_segments
@@ -76,9 +76,9 @@ class Caption(Command):
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
-        from generator.config import TOKEN_S
         from generator.grounding.space import AlignedSpace
         from generator.grounding.texts import KnownTexts
+        from generator.models.segmo.config import TOKEN_S
         from generator.performer import WEIGHTS_FOLDER
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion
@@ -106,16 +106,17 @@ class Caption(Command):
         import numpy as np
         import torch
 
-        from generator.models.segmo.conditioning import check_segments, segment_lengths
+        from generator.models.segmo.config import TOKEN_FRAMES
         from generator.models.segmo.segmentation import change_points, pose_signal
+        from generator.timing import check_segments, segment_lengths
         from ros_free_stack.formats.features import encode
         from ros_free_stack.skeleton import FPS
 
         if self.segments is None and motion.segments:
             spans = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in motion.segments]
-            return segment_lengths(spans, tokens).tolist()
+            return segment_lengths(spans, tokens, TOKEN_FRAMES).tolist()
         count = 1 if self.segments is None else self.segments
-        check_segments(count, tokens)
+        check_segments(count, tokens, TOKEN_FRAMES)
         if count == 1:
             return [tokens]
         standardised = space.tokenizer.standardise(torch.from_numpy(encode(motion.joints).astype(np.float32)))

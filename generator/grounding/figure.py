@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.config import TOKEN_S
 from generator.grounding.search import Found
+from generator.models.segmo.config import TOKEN_S
 from ros_free_stack.files import atomic_path
 
 

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 from torch import Tensor
 
-from generator.config import TOKEN_S
 from generator.grounding.space import SHORTEST_TOKENS, AlignedSpace
+from generator.models.segmo.config import TOKEN_S
 from ros_free_stack.errors import InvalidOption
 
 BACKGROUND: Final = 0.4

@@ -14,8 +14,9 @@ import torch
 from torch import Tensor
 
 from generator import weights
-from generator.config import MAX_FRAMES, TEXT_WIDTH, TOKEN_FRAMES, TokenizerConfig, TransformerConfig
+from generator.config import MAX_FRAMES, TEXT_WIDTH
 from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption, NoWeights

@@ -1,16 +1,23 @@
 """How long a segment lasts, from its text."""
 
-import numpy as np
+from dataclasses import dataclass
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import MAX_SEGMENTS, MAX_TOKENS, MIN_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, DurationsConfig
-from generator.models.segmo.conditioning import WhitenedText, check_segments
+from generator.config import MAX_SEGMENTS, TEXT_WIDTH
+from generator.nn.whitening import WhitenedText
 from generator.text.counts import MOST
-from ros_free_stack.skeleton import FPS
 
 MIN_LOG_STD, MAX_LOG_STD = -3.0, 1.0
+
+
+@dataclass(frozen=True)
+class DurationsConfig:
+    """Multi-layer perceptron from a segment's text to the distribution of its duration."""
+
+    width: int
 
 
 class DurationModel(nn.Module):
@@ -40,19 +47,3 @@ class DurationModel(nn.Module):
         numbers = functional.one_hot(repetitions, MOST + 1)[..., 1:].flatten(1).to(text.dtype)
         mean, log_std = self.network(torch.cat([self.white(text), numbers, around], dim=1)).float().unbind(-1)
         return mean, log_std.clamp(MIN_LOG_STD, MAX_LOG_STD)
-
-
-def whole_tokens(durations_s: np.ndarray, least: int = MIN_TOKENS, most: int = MAX_TOKENS) -> np.ndarray:
-    """Durations (A,) in s to whole tokens (A,), at least one each, with rounding errors that do not add up.
-
-    A total outside of `least` to `most` tokens, by default the 2 to 9.8 s that the models take, stretches or shrinks
-    all segments alike.
-    """
-    wanted = durations_s * FPS / TOKEN_FRAMES
-    total = min(max(round(wanted.sum()), least), most)
-    check_segments(len(wanted), total)
-    ends = np.cumsum(wanted / wanted.sum() * total)
-    edges = [0]
-    for i, end in enumerate(ends, start=1):
-        edges.append(min(max(round(end), edges[-1] + 1), total - (len(ends) - i)))
-    return np.diff(edges)

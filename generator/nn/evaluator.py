@@ -6,18 +6,40 @@ they train several times faster.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 from torch.nn.utils.rnn import pad_sequence
 
-from generator.config import FEATURES, MAX_TOKENS, TEXT_WIDTH, TOKEN_FRAMES, EvaluatorConfig
-from generator.models.segmo.tokenizer import MIN_STD
+from generator.config import FEATURES, MAX_FRAMES, TEXT_WIDTH
 from generator.nn.layers import Transformer
 
+MIN_STD = 1e-3  # features that hardly vary are not blown up
+STRIDE = 4
+"""Frames that are read together: a quarter of the frame rate, as in T2M."""
 CONTACTS = 4
 """The last channels, foot contacts, are not looked at, as in T2M."""
+
+
+@dataclass(frozen=True)
+class EvaluatorConfig:
+    """Motion and text encoders of the evaluator.
+
+    Attributes:
+        width, layers, heads: of the transformer of each side.
+        embedding: width of the space that both sides share.
+        words: longest text that is read, in word pieces.
+        dropout: of what the transformers read.
+    """
+
+    width: int
+    layers: int
+    heads: int
+    embedding: int
+    words: int = 80
+    dropout: float = 0.1
 
 
 class MotionTextEvaluator(nn.Module):
@@ -36,7 +58,7 @@ class MotionTextEvaluator(nn.Module):
         self.config = config
         self.register_buffer("mean", torch.zeros(FEATURES) if mean is None else mean.float())
         self.register_buffer("std", torch.ones(FEATURES) if std is None else std.float().clamp_min(MIN_STD))
-        self.motion = SequenceEncoder((FEATURES - CONTACTS) * TOKEN_FRAMES, MAX_TOKENS, config)
+        self.motion = SequenceEncoder((FEATURES - CONTACTS) * STRIDE, MAX_FRAMES // STRIDE, config)
         self.text = SequenceEncoder(TEXT_WIDTH, config.words, config)
 
     def motion_embeddings(self, features: Sequence[Tensor]) -> Tensor:
@@ -44,10 +66,10 @@ class MotionTextEvaluator(nn.Module):
 
         A rest of T modulo 4 frames is left out.
         """
-        lengths = torch.tensor([len(rows) // TOKEN_FRAMES for rows in features])
-        used = [rows[: n * TOKEN_FRAMES] for rows, n in zip(features, lengths.tolist(), strict=True)]
+        lengths = torch.tensor([len(rows) // STRIDE for rows in features])
+        used = [rows[: n * STRIDE] for rows, n in zip(features, lengths.tolist(), strict=True)]
         padded = (pad_sequence(used, batch_first=True).to(self.mean.device) - self.mean) / self.std
-        return self.motion(padded[..., :-CONTACTS].unflatten(1, (-1, TOKEN_FRAMES)).flatten(2), lengths)
+        return self.motion(padded[..., :-CONTACTS].unflatten(1, (-1, STRIDE)).flatten(2), lengths)
 
     def text_embeddings(self, words: Sequence[Tensor]) -> Tensor:
         """Texts, each (n, 384) vectors of its words (`WordVectors`), to (B, E)."""

@@ -7,11 +7,11 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from generator.config import TOKEN_FRAMES, DurationsConfig, Training
+from generator.config import Training
 from generator.data.dataset import Clip, MotionDataset
-from generator.models.segmo.conditioning import segment_lengths
-from generator.nn.durations import DurationModel
+from generator.nn.durations import DurationModel, DurationsConfig
 from generator.text.counts import segment_counts
+from generator.timing import segment_lengths
 from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.skeleton import FPS
 
@@ -55,7 +55,7 @@ def _rows(clips: tuple[Clip, ...], table: TextTable) -> np.ndarray:
     rows = []
     for clip in clips:
         spans = [(segment.start, segment.end) for segment in clip.segments]
-        lasting = segment_lengths(spans, clip.length // TOKEN_FRAMES) * TOKEN_FRAMES / FPS
+        lasting = segment_lengths(spans, clip.length, 1) / FPS
         for caption in clip.captions:
             texts = table.rows(caption.segments)
             counts = segment_counts(caption.segments)

@@ -9,11 +9,11 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import MAX_FRAMES, TOKEN_FRAMES, EvaluatorConfig, Training
+from generator.config import MAX_FRAMES, Training
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
-from generator.nn.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import STRIDE, EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from ros_free_stack.errors import InvalidOption
 
@@ -57,7 +57,7 @@ class EvaluatorObjective:
     name = "evaluator"
 
     def __init__(self, dataset: MotionDataset, config: EvaluatorConfig, training: Training, seed: int) -> None:
-        self._clips = [clip for clip in dataset.split("train") if clip.length >= TOKEN_FRAMES]
+        self._clips = [clip for clip in dataset.split("train") if clip.length >= STRIDE]
         self.config, self.facts = config, {"clips": len(self._clips), "training": asdict(training)}
         if training.batch % 2:
             raise InvalidOption("batch", f"half of it are mirror images, found {training.batch}")

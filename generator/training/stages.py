@@ -7,8 +7,9 @@ from typing import Final
 import torch
 
 from generator import weights
-from generator.config import Preset, Training, preset
+from generator.config import Training
 from generator.data.dataset import MotionDataset
+from generator.presets import Preset, preset
 from generator.training.loop import Objective, Run, train
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, UnknownName

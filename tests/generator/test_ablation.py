@@ -8,13 +8,15 @@ import torch
 from benchmarks import ablation
 from benchmarks.ablation import Arguments, run, segmentation_rows, show
 from generator import weights
-from generator.config import PRESETS, DurationsConfig, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
+from generator.models.segmo.config import TokenizerConfig, TransformerConfig
+from generator.models.segmo.model import SegMo
 from generator.models.segmo.objectives.tokenizer import TokenizerObjective
 from generator.models.segmo.parts import part_count
 from generator.models.segmo.residual_transformer import ResidualTransformer
-from generator.nn.durations import DurationModel
+from generator.nn.durations import DurationModel, DurationsConfig
 from generator.performer import Performer
+from generator.presets import PRESETS
 from generator.training.loop import Run, train
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.files import make_folder
@@ -54,7 +56,8 @@ def test_rows_are_trained_measured_and_loadable(
     assert results["momask"]["consistency"] == {}
     assert -1 <= results["segmo-clustering"]["consistency"]["exact"]["mean"] <= 1
     for name in arguments.rows:
-        loaded = Performer.load(arguments.out / name)
+        loaded = Performer.load(arguments.out / name).model
+        assert isinstance(loaded, SegMo)
         assert loaded.mask.config == ablation.Ablation(arguments, None, loaded.tokenizer.config).transformer(  # type: ignore[arg-type]
             ablation.ROWS[name]
         )

@@ -1,22 +1,15 @@
 """Layout of segments on tokens: boundaries, places within a segment, dropped texts."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
-import pytest
 import torch
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from generator.models.segmo.conditioning import (
     Condition,
     SegmentConditioning,
-    segment_lengths,
     stack_lengths,
-    uniform_lengths,
 )
-from ros_free_stack.errors import InvalidOption
 
 
 def condition(*lengths: list[int], seed: int = 0) -> Condition:
@@ -38,32 +31,6 @@ def test_places_within_segments() -> None:
     assert found.segment_of.tolist() == [[0, 0, 1, 1, 1], [0, 0, 0, 0, 0]]
     assert found.elapsed[0].tolist() == [0, 1, 0, 1, 2]
     assert found.lasting.tolist() == [[2, 2, 3, 3, 3], [4, 4, 4, 4, 4]]
-
-
-def test_boundary_lies_midway_between_segments() -> None:
-    assert segment_lengths([(0, 36), (44, 80)], 20).tolist() == [10, 10]
-    assert segment_lengths([(0, 40), (40, 81)], 20).tolist() == [10, 10]
-
-
-@settings(max_examples=100, deadline=None)
-@given(data=st.data(), count=st.integers(1, 5))
-def test_every_segment_gets_a_token_and_none_is_lost(data: st.DataObject, count: int) -> None:
-    tokens = data.draw(st.integers(count, 49))
-    cuts = sorted(data.draw(st.lists(st.integers(0, 4 * tokens), min_size=count - 1, max_size=count - 1)))
-    edges = [0, *cuts, 4 * tokens]
-    lengths = segment_lengths(list(pairwise(edges)), tokens)
-    assert lengths.sum() == tokens
-    assert lengths.min() >= 1
-    uniform = uniform_lengths(count, tokens)
-    assert uniform.sum() == tokens
-    assert uniform.max() - uniform.min() <= 1
-
-
-def test_too_many_segments_are_refused() -> None:
-    with pytest.raises(InvalidOption, match="1 to 5 segments, found 6"):
-        uniform_lengths(6, 30)
-    with pytest.raises(InvalidOption, match="do not fit"):
-        uniform_lengths(4, 3)
 
 
 def test_dropped_text_leaves_the_layout() -> None:

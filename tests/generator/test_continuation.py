@@ -7,20 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from generator.config import Sampling
-from generator.continuation import Continuation
+from generator.continuation import Continuation, concatenated
 from generator.data.actions import perform
 from generator.data.pose import joints
 from generator.data.scene import Scene
-from generator.editing import concatenated
-from generator.performer import Performer
+from generator.editing import edit
+from generator.model import Sampling
+from generator.performer import Performer, PerformerSettings
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.messages import HumanMotion, Segment
 
 WAVE = ("a person waves",)
 BOTH = ("a person waves", "a person bows")
-QUICK = Sampling(steps=3)
+QUICK = PerformerSettings(Sampling(steps=3))
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def bends(motion: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("cut", [0, 13, 26])
 def test_a_motion_goes_on_without_a_jump(generator: Performer, walk: HumanMotion, cut: int) -> None:
     start = replace(walk, joints=walk.joints[: len(walk.joints) - cut])
-    (motion,) = generator.generate("a person waves", WAVE, seed=0, duration_s=3.0, start=start, sampling=QUICK)
+    (motion,) = generator.generate("a person waves", WAVE, seed=0, duration_s=3.0, start=start, settings=QUICK)
     assert motion.duration_s == pytest.approx(3.0)
     assert [segment.text for segment in motion.segments] == list(WAVE)
     whole = np.concatenate([start.joints, motion.joints])
@@ -64,7 +64,7 @@ def test_a_motion_goes_on_without_a_jump(generator: Performer, walk: HumanMotion
 
 def test_parts_of_a_long_sentence_join_without_a_jump(generator: Performer) -> None:
     texts = ("a person walks forward", "a person squats four times", "a person claps four times", "a person bows")
-    (motion,) = generator.generate(", then ".join(texts), texts, seed=0, sampling=QUICK)
+    (motion,) = generator.generate(", then ".join(texts), texts, seed=0, settings=QUICK)
     assert motion.duration_s > 11
     assert [segment.text for segment in motion.segments] == list(texts)
     assert speeds(motion.joints).max() < 0.25
@@ -74,7 +74,7 @@ def test_parts_of_a_long_sentence_join_without_a_jump(generator: Performer) -> N
 
 def test_a_range_is_replaced_and_the_rest_kept(generator: Performer, walk: HumanMotion) -> None:
     for start_s, end_s in ((1.0, 3.0), (0.0, 1.4), (2.0, walk.duration_s)):
-        (edited,) = generator.edit(walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0, sampling=QUICK)
+        (edited,) = edit(generator, walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0, settings=QUICK)
         first, last = round(start_s * 20), min(round(end_s * 20), len(walk.joints))
         assert len(edited.joints) == len(walk.joints)
         assert edited.joints[:first].tobytes() == walk.joints[:first].tobytes()
@@ -110,8 +110,8 @@ def test_prompts_are_appended_in_one_world(generator: Performer) -> None:
 
 def test_same_seed_same_bytes(generator: Performer, walk: HumanMotion) -> None:
     def run(seed: int) -> list[bytes]:
-        motions = generator.edit(
-            walk, "a person waves", WAVE, start_s=1, end_s=2, seed=seed, candidates=2, sampling=QUICK
+        motions = edit(
+            generator, walk, "a person waves", WAVE, start_s=1, end_s=2, seed=seed, candidates=2, settings=QUICK
         )
         return [motion.joints.tobytes() for motion in motions]
 
@@ -131,13 +131,13 @@ def test_same_seed_same_bytes(generator: Performer, walk: HumanMotion) -> None:
 )
 def test_unusable_ranges(generator: Performer, walk: HumanMotion, start_s: float, end_s: float, message: str) -> None:
     with pytest.raises(InvalidOption, match=message):
-        generator.edit(walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0)
+        edit(generator, walk, "a person waves", WAVE, start_s=start_s, end_s=end_s, seed=0)
 
 
 def test_the_whole_motion_is_no_range(generator: Performer, walk: HumanMotion) -> None:
     short = replace(walk, joints=walk.joints[:60])
     with pytest.raises(InvalidOption, match="is the whole motion"):
-        generator.edit(short, "a person waves", WAVE, start_s=0, end_s=3, seed=0)
+        edit(generator, short, "a person waves", WAVE, start_s=0, end_s=3, seed=0)
 
 
 @pytest.mark.parametrize(

@@ -9,21 +9,23 @@ import pytest
 import torch
 
 from generator import weights
-from generator.config import DurationsConfig, EvaluatorConfig, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
 from generator.evaluation.cli import Evaluate
 from generator.evaluation.embedder import CorpusEmbedder
+from generator.evaluation.evaluation import Generation
 from generator.evaluation.pairs import corpus_pairs
 from generator.evaluation.protocol import MotionSet, Score, score
-from generator.evaluation.sampling import BatchSampler
 from generator.evaluation.table import table
+from generator.models.segmo.config import TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.nn.durations import DurationModel
-from generator.nn.evaluator import MotionTextEvaluator
-from generator.performer import Performer
+from generator.nn.durations import DurationModel, DurationsConfig
+from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
+from generator.performer import Performer, PerformerSettings
+from generator.postprocess.context import Context, whole_features
 from ros_free_stack.errors import InvalidOption, NoWeights, UnknownName
+from ros_free_stack.formats.features import decode
 from tests.generator.tiny_dataset import write_tiny_dataset
 
 
@@ -67,13 +69,14 @@ def test_the_command_measures_all_rows(
     assert command(data, folder, multimodality=2, generations=2, clips=33, out=out).run() == 0
     printed = capsys.readouterr().out
     result = json.loads(out.read_text())
-    assert list(result["rows"]) == ["real", "reconstruction", "generated"]
+    assert list(result["rows"]) == ["real", "reconstruction", "first", "resampled"]
     assert result["clips"] == 33
     assert result["distinct_captions"] < 33
-    real, reconstruction, generated = result["rows"].values()
+    real, reconstruction, first, resampled = result["rows"].values()
     assert real["fid"]["mean"] == pytest.approx(0, abs=1e-9)
     assert reconstruction["mpjpe_mm"]["mean"] > 0
-    assert generated["multimodality"]["mean"] > 0
+    assert first["multimodality"]["mean"] > 0
+    assert resampled["multimodality"]["mean"] > 0
     assert "multimodality" not in real
     assert 0 <= real["tc"]["mean"] <= 1
     for text in ("real", "MPJPE, mm", "MModality", f"wrote {out}", "33 clips"):
@@ -84,7 +87,7 @@ def test_the_same_seed_gives_the_same_numbers_and_json_is_all_that_is_printed(
     data: Path, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def run(seed: int) -> dict[str, object]:
-        command(data, folder, rows="generated", seed=seed, json=True).run()
+        command(data, folder, rows="first", seed=seed, json=True).run()
         return json.loads(capsys.readouterr().out)
 
     first = run(3)
@@ -108,14 +111,32 @@ def test_several_folders_are_rows_named_after_them(
     assert rows(folders[0], folders[2]) == [f"reconstruction, {folders[0]}", f"reconstruction, {folders[2]}"]
 
 
-def test_generated_motions_are_as_long_as_the_real_ones_and_do_not_depend_on_others(data: Path, folder: Path) -> None:
+def test_generated_motions_are_as_long_as_the_real_ones_and_differ_by_their_place(data: Path, folder: Path) -> None:
     pairs = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)
-    sampler = BatchSampler(Performer.load(folder), pairs)
-    motions = sampler.generate(range(len(pairs)), seed=0, title="")
-    assert [len(features) for features in motions] == [pair.frames for pair in pairs]
-    again = sampler.generate([5, 5], seed=0, title="")
-    assert len(again[0]) == pairs[5].frames
-    assert not np.array_equal(again[0], again[1])
+    for resampled in (False, True):
+        generation = Generation(Performer.load(folder), pairs, resampled=resampled)
+        motions = generation.motions(range(len(pairs)), seed=0, title="")
+        assert [len(features) for features in motions] == [pair.frames for pair in pairs]
+        again = generation.motions([5, 5], seed=0, title="")
+        assert len(again[0]) == pairs[5].frames
+        assert not np.array_equal(again[0], again[1])
+
+
+def test_resampled_motions_are_those_that_the_performer_makes(data: Path, folder: Path) -> None:
+    """The same text, timing and noise: what is measured is what `generate` writes, read back from its joints."""
+    pair = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)[3]
+    performer = Performer.load(folder)
+    (measured,) = Generation(performer, [pair], resampled=True).motions([0], seed=7, title="")
+    (features,) = performer.around(
+        pair.text,
+        pair.segments,
+        [performer.shares(pair.segments, pair.frames)],
+        Context.none(),
+        PerformerSettings(),
+        performer.noise(7),
+    )
+    written, _ = Context.none().stitched(features, foot_lock=True)
+    np.testing.assert_allclose(decode(measured), decode(whole_features(written)), atol=1e-4)
 
 
 def test_clips_and_captions_follow_the_seed(data: Path) -> None:
@@ -161,7 +182,7 @@ def test_an_embedding_does_not_depend_on_the_order(data: Path, folder: Path) -> 
         ({"clips": 8}, InvalidOption, "at least 32 clips are needed"),
         ({"split": "val"}, InvalidOption, "--split: has 12 clips"),
         ({"runs": 0}, InvalidOption, "--runs: must be at least 1, found 0"),
-        ({"rows": "real,fake"}, UnknownName, "unknown row 'fake'; valid: generated, real, reconstruction"),
+        ({"rows": "real,fake"}, UnknownName, "unknown row 'fake'; valid: first, real, reconstruction, resampled"),
         ({"dataset": None}, InvalidOption, "give one of them"),
         ({"multimodality": 999}, InvalidOption, "there are 36 texts, found 999"),
         ({"evaluator": Path("nowhere")}, NoWeights, "no trained evaluator; train it with"),

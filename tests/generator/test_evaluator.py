@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from generator import weights
-from generator.config import EvaluatorConfig, Training
+from generator.config import Training
 from generator.data.dataset import MotionDataset
 from generator.data.mirror import mirror_joints
 from generator.data.mirrored_features import mirror_features
-from generator.nn.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from generator.training.evaluator import EvaluatorObjective, contrastive_loss
 from generator.training.loop import Run, train

@@ -9,14 +9,15 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, TOKEN_S, TokenizerConfig, TransformerConfig
 from generator.data.dataset import MotionDataset
 from generator.grounding.cli import Caption, Ground
 from generator.grounding.consistency import consistency, paired_segments, recall
 from generator.grounding.search import BACKGROUND, ground, similarity_map
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
+from generator.models.segmo.config import TOKEN_S, TokenizerConfig, TransformerConfig
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
+from generator.presets import PRESETS
 from generator.training.stages import Job
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights
 from ros_free_stack.files import save_motion

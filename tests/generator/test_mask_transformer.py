@@ -6,9 +6,10 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, ConditioningKind, Sampling
 from generator.models.segmo.conditioning import Condition, stack_lengths
+from generator.models.segmo.config import ConditioningKind, SegmoSampling
 from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens, sample
+from generator.presets import PRESETS
 
 PARTS = 2
 CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24, parts=PARTS)
@@ -61,19 +62,19 @@ def test_padding_does_not_reach_the_tokens(model: MaskTransformer) -> None:
 
 def test_generation_fills_every_token(model: MaskTransformer) -> None:
     given = condition([3, 4], [10], [5, 5, 5])
-    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
+    tokens = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0))
     assert tokens.shape == (PARTS, 3, 15)
     assert int(tokens.max()) < 24
     assert tokens[:, 0, 7:].abs().max() == 0
-    again = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
-    other = model.generate(given, Sampling(), torch.Generator().manual_seed(1))
+    again = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0))
+    other = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(1))
     assert torch.equal(tokens, again)
     assert not torch.equal(tokens, other)
 
 
 @pytest.mark.parametrize("steps", [1, 2, 7, 30])
 def test_any_number_of_steps_ends_without_masks(model: MaskTransformer, steps: int) -> None:
-    tokens = model.generate(condition([5, 6]), Sampling(steps=steps), torch.Generator().manual_seed(0))
+    tokens = model.generate(condition([5, 6]), SegmoSampling(steps=steps), torch.Generator().manual_seed(0))
     assert int(tokens.max()) < 24
 
 
@@ -81,7 +82,7 @@ def test_any_number_of_steps_ends_without_masks(model: MaskTransformer, steps: i
 def test_every_conditioning_generates(conditioning: ConditioningKind) -> None:
     torch.manual_seed(0)
     model = MaskTransformer(replace(CONFIG, conditioning=conditioning)).eval()
-    tokens = model.generate(condition([3, 4], [10]), Sampling(), torch.Generator().manual_seed(0))
+    tokens = model.generate(condition([3, 4], [10]), SegmoSampling(), torch.Generator().manual_seed(0))
     assert tokens.shape == (PARTS, 2, 10)
     assert int(tokens.max()) < 24
 
@@ -122,7 +123,7 @@ def test_learns_which_text_means_which_token() -> None:
     model.eval()
     told = texts[torch.tensor([[2, 1]])][:, :, None] * torch.tensor([[1.0], [0.0]])
     given = replace(condition([3, 4]), segments=told)
-    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0))
+    tokens = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0))
     assert tokens.tolist() == [[[2, 2, 2, 1, 1, 1, 1]], [[12, 12, 12, 11, 11, 11, 11]]]
 
 
@@ -131,11 +132,11 @@ def test_known_tokens_stay(model: MaskTransformer) -> None:
     known = torch.full((PARTS, 2, 11), -1)
     known[..., :3] = torch.tensor([7, 8, 9])
     known[0, 0, 10], known[1, 1, 7] = 11, 12
-    tokens = model.generate(given, Sampling(), torch.Generator().manual_seed(0), known)
+    tokens = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0), known)
     assert torch.equal(tokens[known >= 0], known[known >= 0])
     assert int(tokens.max()) < 24
-    free = model.generate(given, Sampling(), torch.Generator().manual_seed(0), torch.full((PARTS, 2, 11), -1))
-    assert torch.equal(free, model.generate(given, Sampling(), torch.Generator().manual_seed(0)))
+    free = model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0), torch.full((PARTS, 2, 11), -1))
+    assert torch.equal(free, model.generate(given, SegmoSampling(), torch.Generator().manual_seed(0)))
 
 
 def test_codes_that_are_alike_begin_alike() -> None:

@@ -6,17 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from generator import weights
 from generator.cli import Generate, Train
-from generator.config import PRESETS, DurationsConfig, Sampling, TokenizerConfig, TransformerConfig
+from generator.model import Sampling
+from generator.models.segmo.config import TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
+from generator.models.segmo.model import SegMo
 from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.nn.durations import DurationModel, whole_tokens
-from generator.performer import Performer
+from generator.nn.durations import DurationModel, DurationsConfig
+from generator.performer import Performer, PerformerSettings
+from generator.presets import PRESETS
 from generator.text.domain import Domain
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN
@@ -26,7 +27,7 @@ from tests.generator.tiny_dataset import write_tiny_dataset
 
 PROMPT = "a person waves, then bows"
 SEGMENTS = ("a person waves", "a person bows")
-QUICK = Sampling(steps=3)
+QUICK = PerformerSettings(Sampling(steps=3))
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def generator(folder: Path) -> Performer:
 
 
 def test_motion_has_its_prompt_segments_and_floor(generator: Performer) -> None:
-    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, settings=QUICK)
     assert motion.prompt == PROMPT
     assert tuple(segment.text for segment in motion.segments) == SEGMENTS
     assert motion.segments[0].end_s == motion.segments[1].start_s
@@ -68,7 +69,7 @@ def test_motion_has_its_prompt_segments_and_floor(generator: Performer) -> None:
 
 def test_same_seed_same_bytes(generator: Performer) -> None:
     def run(seed: int) -> list[bytes]:
-        motions = generator.generate(PROMPT, SEGMENTS, seed=seed, candidates=3, sampling=QUICK)
+        motions = generator.generate(PROMPT, SEGMENTS, seed=seed, candidates=3, settings=QUICK)
         return [motion.joints.tobytes() for motion in motions]
 
     first = run(5)
@@ -78,17 +79,19 @@ def test_same_seed_same_bytes(generator: Performer) -> None:
 
 
 def test_durations_are_kept(generator: Performer) -> None:
-    motions = generator.generate(PROMPT, SEGMENTS, seed=0, candidates=2, durations_s=(1.6, 3.2), sampling=QUICK)
+    motions = generator.generate(PROMPT, SEGMENTS, seed=0, candidates=2, durations_s=(1.6, 3.2), settings=QUICK)
     for motion in motions:
         assert [(s.start_s, s.end_s) for s in motion.segments] == [(0.0, 1.6), (1.6, 4.8)]
-    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, duration_s=7.0, sampling=QUICK)
+    (motion,) = generator.generate(PROMPT, SEGMENTS, seed=0, duration_s=7.0, settings=QUICK)
     assert motion.duration_s == pytest.approx(7.0)
 
 
 def test_uniform_layout_shares_the_time(generator: Performer) -> None:
-    mask = MaskTransformer(replace(generator.mask.config, layout="uniform")).eval()
-    uniform = replace(generator, mask=mask)
-    (motion,) = uniform.generate(PROMPT, SEGMENTS, seed=0, durations_s=(1.6, 3.2), sampling=QUICK)
+    model = generator.model
+    assert isinstance(model, SegMo)
+    mask = MaskTransformer(replace(model.mask.config, layout="uniform")).eval()
+    uniform = replace(generator, model=replace(model, mask=mask))
+    (motion,) = uniform.generate(PROMPT, SEGMENTS, seed=0, durations_s=(1.6, 3.2), settings=QUICK)
     assert motion.segments[0].end_s == pytest.approx(2.4)
 
 
@@ -122,14 +125,14 @@ def test_a_long_sentence_is_generated_in_parts(generator: Performer) -> None:
     """Nothing is hurried, and no part begins with a jump."""
     texts = (*SEGMENTS, "a person squats")
     slow = replace(generator, durations=lasting(4.0))
-    motions = slow.generate(PROMPT, texts, seed=0, candidates=2, sampling=QUICK)
+    motions = slow.generate(PROMPT, texts, seed=0, candidates=2, settings=QUICK)
     for motion in motions:
         assert motion.prompt == PROMPT
         assert [segment.text for segment in motion.segments] == list(texts)
         assert [s.end_s - s.start_s for s in motion.segments] == pytest.approx([4.0, 4.0, 4.0], abs=0.9)
         assert motion.duration_s == pytest.approx(motion.segments[-1].end_s)
     assert motions[0].joints.tobytes() != motions[1].joints.tobytes()
-    again = slow.generate(PROMPT, texts, seed=0, candidates=2, sampling=QUICK)
+    again = slow.generate(PROMPT, texts, seed=0, candidates=2, settings=QUICK)
     assert [m.joints.tobytes() for m in again] == [m.joints.tobytes() for m in motions]
 
 
@@ -137,19 +140,9 @@ def test_an_action_that_takes_too_long_is_hurried_and_said(
     generator: Performer, capsys: pytest.CaptureFixture[str]
 ) -> None:
     slow = replace(generator, durations=lasting(12.0))
-    (motion,) = slow.generate(SEGMENTS[0], SEGMENTS[:1], seed=0, sampling=QUICK)
+    (motion,) = slow.generate(SEGMENTS[0], SEGMENTS[:1], seed=0, settings=QUICK)
     assert motion.duration_s == pytest.approx(9.8)
     assert "performed faster, within 9.8 s" in capsys.readouterr().err
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.lists(st.floats(0.05, 30), min_size=1, max_size=5))
-def test_whole_tokens(durations: list[float]) -> None:
-    tokens = whole_tokens(np.array(durations))
-    assert tokens.min() >= 1
-    assert 10 <= tokens.sum() <= 49
-    if 2.0 <= sum(durations) <= 9.8:
-        assert abs(tokens.sum() - 5 * sum(durations)) <= 0.5 + 1e-9
 
 
 def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> None:
@@ -193,7 +186,7 @@ def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.Mon
     command = Train(stage="all", dataset=dataset, out=tmp_path / "out", iterations=2, threads=1, device="cpu")
     assert command.run() == 0
     torch.set_num_threads(before)
-    (motion,) = Performer.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, sampling=QUICK)
+    (motion,) = Performer.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, settings=QUICK)
     assert motion.joints.shape[1:] == (22, 3)
 
 

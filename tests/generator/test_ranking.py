@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from generator.config import EvaluatorConfig
 from generator.data.build import make_twins
 from generator.evaluation.embedder import CorpusEmbedder
-from generator.nn.evaluator import MotionTextEvaluator
+from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.ranking import Ranker
 from ros_free_stack.errors import NoWeights
 from ros_free_stack.formats.features import decode

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from generator import weights
-from generator.config import TokenizerConfig
 from generator.data.build import make_twins
 from generator.data.dataset import MotionDataset
+from generator.models.segmo.config import TokenizerConfig
 from generator.models.segmo.objectives.tokenizer import channel_errors
 from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.performer import WEIGHTS_FOLDER

@@ -1,133 +1,144 @@
-"""Drafts: what is wrong is drawn again and nothing else, the best draft stays, what is given is kept."""
+"""Best of N over any model: what is wrong is sampled again and nothing else, the best sample stays, what is given is
+kept."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
 
 import numpy as np
-import pytest
 import torch
 from numpy.typing import NDArray
 
-from generator.config import PRESETS, Sampling
-from generator.models.segmo.conditioning import Condition, stack_lengths
-from generator.models.segmo.mask_transformer import MaskTransformer
-from generator.resampling import SEAM_TOKENS, Drafting
+from generator.model import FeatureSpec, Known, Sample, Sampling, TextCondition
+from generator.resampling import Judge, Resampler
 
-PARTS, CODES, LENGTHS = 2, 24, (6, 7, 5)
-CONFIG = replace(PRESETS["small"].mask, width=32, layers=1, feed_forward=64, codes=CODES, parts=PARTS)
-SAMPLING = Sampling(steps=2, drafts=4, rounds=3, temperature=3.0, top_k=0.0)
+FRAMES = (24, 28, 20)
+SEAM = 4  # frames: 0.2 s
 
 
-@pytest.fixture(scope="module")
-def mask() -> MaskTransformer:
-    torch.manual_seed(0)
-    return MaskTransformer(CONFIG).eval()
+@dataclass
+class Noise:
+    """A model of random features (T, 2) at 20 fps that keeps what is known; without a latent, as a diffusion model."""
+
+    name: str = "noise"
+    spec: FeatureSpec = field(default_factory=lambda: FeatureSpec(2, 20.0, 20, 200))
+    asked: list[Known | None] = field(default_factory=list)
+
+    def sample(
+        self, text: TextCondition, *, known: Known | None, sampling: Sampling, noise: torch.Generator
+    ) -> list[Sample]:
+        self.asked.append(known)
+        found = []
+        for row, total in enumerate(text.frames.sum(1).tolist()):
+            features = torch.randn(total, 2, generator=noise)
+            if known is not None:
+                features = torch.where(known.mask[row, :total, None], known.features[row, :total], features)
+            found.append(Sample(features))
+        return found
+
+    def reconstruct(self, features: torch.Tensor) -> None:
+        return None
+
+    @classmethod
+    def load(cls, folder: Path, *, device: str) -> Self:
+        return cls()
 
 
-def condition(*lengths: Sequence[int]) -> Condition:
-    table = stack_lengths(lengths)
-    torch.manual_seed(1)
-    texts = torch.randn(len(table), 384), torch.randn(*table.shape, 2, 384)
-    return Condition(*texts, torch.zeros(*table.shape, 2, dtype=torch.long), table)
-
-
-def unknown(rows: int, tokens: int) -> torch.Tensor:
-    return torch.full((PARTS, rows, tokens), -1)
+def text(*frames: int) -> TextCondition:
+    count = len(frames)
+    return TextCondition(
+        torch.zeros(1, 8),
+        torch.zeros(1, 3, 8),
+        torch.ones(1, 3, dtype=torch.bool),
+        torch.zeros(1, count, 8),
+        torch.zeros(1, count, 2, 8),
+        torch.zeros(1, count, 2, dtype=torch.long),
+        torch.tensor([frames]),
+    )
 
 
 def noise() -> torch.Generator:
     return torch.Generator().manual_seed(0)
 
 
-class EvenCodes:
-    """Wants even codes, and counts the odd ones of each segment; keeps what it was shown."""
+class Negative:
+    """Counts frames whose first feature is below -1 in each segment; keeps what it was shown."""
 
     def __init__(self) -> None:
         self.seen: list[torch.Tensor] = []
         self.found: list[NDArray[np.int64]] = []
 
-    def __call__(self, tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
-        odd = (tokens % 2).sum(0).split(list(lengths))
-        self.seen.append(tokens.clone())
-        self.found.append(np.array([int(part.sum()) for part in odd]))
+    def __call__(self, features: torch.Tensor, frames: Sequence[int]) -> NDArray[np.int64]:
+        self.seen.append(features.clone())
+        self.found.append(np.array([int((part[:, 0] < -1).sum()) for part in features.split(list(frames))]))
         return self.found[-1]
 
 
-def test_the_draft_with_the_fewest_mistakes_stays(mask: MaskTransformer) -> None:
-    judge = EvenCodes()
-    drafting = Drafting(mask, replace(SAMPLING, rounds=1), judge)
-    tokens = drafting.draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())[:, 0]
-    totals = [found.sum() for found in judge.found]
-    assert len(totals) == 1 + SAMPLING.drafts and len(set(totals)) > 1
-    assert torch.equal(tokens, judge.seen[int(np.argmin(totals))])
+def resampler(judge: Judge, *, samples: int = 4, rounds: int = 3) -> Resampler:
+    return Resampler(Noise(), Sampling(), judge, samples, rounds)
 
 
-def test_more_rounds_find_what_a_single_one_does_not(mask: MaskTransformer) -> None:
-    """Every segment is to begin with an even code in both parts: one draft in 1024 does."""
-    lengths = (4, 4, 4, 4, 4)
+def test_the_sample_with_the_fewest_mistakes_stays() -> None:
+    judge = Negative()
+    found = resampler(judge, rounds=1).sample(text(*FRAMES), None, noise())
+    totals = [mistakes.sum() for mistakes in judge.found]
+    assert len(totals) == 1 + 4 and len(set(totals)) > 1
+    assert torch.equal(found.features, judge.seen[int(np.argmin(totals))])
 
-    def judge(tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
-        return np.array([int((part[:, 0] % 2).sum()) for part in tokens.split(list(lengths), dim=1)])
 
+def test_more_rounds_find_what_a_single_one_does_not() -> None:
     def wrong(rounds: int) -> int:
-        drafting = Drafting(mask, replace(SAMPLING, rounds=rounds), judge)
-        return int(judge(drafting.draw(condition(lengths), unknown(1, sum(lengths)), noise())[:, 0], lengths).sum())
+        judge = Negative()
+        found = resampler(judge, rounds=rounds).sample(text(*FRAMES), None, noise())
+        return int(judge(found.features, FRAMES).sum())
 
-    found = [wrong(rounds) for rounds in (1, 2, 3, 12)]
+    found = [wrong(rounds) for rounds in (0, 1, 2, 12)]
     assert found == sorted(found, reverse=True)
-    assert found[0] > 0 and found[-1] == 0
+    assert found[0] > found[-1]
 
 
-def test_only_what_is_wrong_is_drawn_again(mask: MaskTransformer) -> None:
-    """The middle segment never pleases: it alone changes, with a token of either neighbour."""
+def test_only_what_is_wrong_is_sampled_again() -> None:
+    """The middle segment never pleases: it alone changes, with a seam of either neighbour."""
     seen: list[torch.Tensor] = []
 
-    def judge(tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
-        seen.append(tokens.clone())
+    def judge(features: torch.Tensor, frames: Sequence[int]) -> NDArray[np.int64]:
+        seen.append(features.clone())
         return np.array([0, 1, 0])
 
-    drafting = Drafting(mask, SAMPLING, judge)
-    tokens = drafting.draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())[:, 0]
-    assert torch.equal(tokens, seen[0]), "no later draft was better"
-    first, stop = LENGTHS[0] - SEAM_TOKENS, LENGTHS[0] + LENGTHS[1] + SEAM_TOKENS
+    found = resampler(judge).sample(text(*FRAMES), None, noise())
+    assert torch.equal(found.features, seen[0]), "no later sample was better"
+    first, stop = FRAMES[0] - SEAM, FRAMES[0] + FRAMES[1] + SEAM
     later = torch.stack(seen[1:])
-    assert len(later) == SAMPLING.rounds * SAMPLING.drafts
-    assert (later[..., :first] == seen[0][:, :first]).all() and (later[..., stop:] == seen[0][:, stop:]).all()
-    assert (later[..., first:stop] != seen[0][:, first:stop]).any(0).all()
+    assert len(later) == 3 * 4
+    assert torch.equal(later[:, :first], seen[0][:first].expand_as(later[:, :first]))
+    assert torch.equal(later[:, stop:], seen[0][stop:].expand_as(later[:, stop:]))
+    assert (later[:, first:stop] != seen[0][first:stop]).any(-1).all()
 
 
-def test_a_first_draft_without_mistakes_stays(mask: MaskTransformer) -> None:
+def test_a_first_sample_without_mistakes_stays() -> None:
     calls: list[int] = []
 
-    def judge(tokens: torch.Tensor, lengths: Sequence[int]) -> NDArray[np.int64]:
-        calls.append(len(lengths))
-        return np.zeros(len(lengths), dtype=np.int64)
+    def judge(features: torch.Tensor, frames: Sequence[int]) -> NDArray[np.int64]:
+        calls.append(len(frames))
+        return np.zeros(len(frames), dtype=np.int64)
 
-    given, tokens = condition(LENGTHS), unknown(1, sum(LENGTHS))
-    found = Drafting(mask, SAMPLING, judge).draw(given, tokens, noise())
+    own = resampler(judge)
+    found = own.sample(text(*FRAMES), None, noise())
     assert calls == [3]
-    assert torch.equal(found, mask.generate(given, SAMPLING, noise(), tokens))
+    (first,) = own.model.sample(text(*FRAMES), known=None, sampling=Sampling(), noise=noise())
+    assert torch.equal(found.features, first.features)
 
 
-def test_given_tokens_stay(mask: MaskTransformer) -> None:
-    known = unknown(1, sum(LENGTHS))
-    known[:, :, 4:9] = 3
-    drafting = Drafting(mask, SAMPLING, lambda tokens, lengths: np.ones(len(lengths), dtype=np.int64))
-    assert (drafting.draw(condition(LENGTHS), known, noise())[:, :, 4:9] == 3).all()
+def test_given_frames_stay() -> None:
+    total = sum(FRAMES)
+    known = Known(torch.full((1, total, 2), 7.0), torch.zeros(1, total, dtype=torch.bool), *[torch.zeros(0, 2)] * 2)
+    known.mask[:, 10:30] = True
+    found = resampler(lambda _, frames: np.ones(len(frames), dtype=np.int64)).sample(text(*FRAMES), known, noise())
+    assert (found.features[10:30] == 7).all()
+    assert (found.features[:10] != 7).all() and (found.features[30:] != 7).all()
 
 
-def test_motions_of_different_lengths(mask: MaskTransformer) -> None:
-    shorter = (4, 5, 6)
-    judge = EvenCodes()
-    tokens = Drafting(mask, SAMPLING, judge).draw(condition(shorter, LENGTHS), unknown(2, sum(LENGTHS)), noise())
-    assert {draft.shape[1] for draft in judge.seen} == {sum(shorter), sum(LENGTHS)}
-    assert (tokens[:, 0, sum(shorter) :] == 0).all()
-    assert tokens.min() >= 0 and tokens.max() < CODES
-
-
-def test_same_noise_same_tokens(mask: MaskTransformer) -> None:
-    one, two = (
-        Drafting(mask, SAMPLING, EvenCodes()).draw(condition(LENGTHS), unknown(1, sum(LENGTHS)), noise())
-        for _ in range(2)
-    )
+def test_same_noise_same_sample() -> None:
+    one, two = (resampler(Negative()).sample(text(*FRAMES), None, noise()).features for _ in range(2))
     assert torch.equal(one, two)

@@ -6,9 +6,10 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.config import PRESETS, Sampling
 from generator.models.segmo.conditioning import Condition, stack_lengths
+from generator.models.segmo.config import SegmoSampling
 from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.presets import PRESETS
 
 CONFIG = replace(PRESETS["small"].residual, width=32, layers=1, feed_forward=64, codes=8, quantizers=3, parts=2)
 
@@ -43,7 +44,7 @@ def test_generation_keeps_the_base_and_adds_all_layers() -> None:
     torch.manual_seed(0)
     model, given = ResidualTransformer(CONFIG).eval(), condition([4, 5], [6])
     base = torch.randint(8, (2, 2, 9))
-    tokens = model.generate(base, given, Sampling(layers=3), torch.Generator().manual_seed(0))
+    tokens = model.generate(base, given, SegmoSampling(layers=3), torch.Generator().manual_seed(0))
     assert tokens.shape == (6, 2, 9)
     assert torch.equal(tokens[:2], base)
     assert int(tokens.max()) < 8
@@ -68,5 +69,5 @@ def test_learns_each_layer_from_the_ones_below() -> None:
         loss.backward()
         optimiser.step()
     tokens = batch()
-    found = model.eval().generate(tokens[:2], given, Sampling(layers=3), torch.Generator().manual_seed(0))
+    found = model.eval().generate(tokens[:2], given, SegmoSampling(layers=3), torch.Generator().manual_seed(0))
     assert float((found == tokens).float().mean()) > 0.9

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.config import TOKEN_FRAMES, SegmentationKind
+from generator.config import SegmentationKind
 from generator.data.dataset import MotionDataset
 from generator.models.segmo import segmentation
+from generator.models.segmo.config import TOKEN_FRAMES
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
 from generator.models.segmo.segmentation import METHODS, boundary_errors, boundary_iou, clusters, pose_signal
 from tests.generator.tiny_dataset import write_tiny_dataset

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from generator.config import FEATURES, PRESETS, TokenizerConfig
+from generator.config import FEATURES
+from generator.models.segmo.config import TokenizerConfig
 from generator.models.segmo.objectives.tokenizer import (
     BONE_WEIGHT,
     ROOT,
@@ -18,6 +19,7 @@ from generator.models.segmo.objectives.tokenizer import (
 from generator.models.segmo.parts import part_channels, part_count
 from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.nn.quantizer import ResidualQuantizer
+from generator.presets import PRESETS
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D, decode
 
 SMALL = replace(PRESETS["small"].tokenizer, width=16, encoder_width=8, code_width=8, codes=32)

@@ -14,23 +14,18 @@ import pytest
 import torch
 
 from generator import weights
-from generator.config import (
-    PRESETS,
-    AlignmentKind,
-    ConditioningKind,
-    DurationsConfig,
-    EvaluatorConfig,
-    Preset,
-    TokenizerConfig,
-    TransformerConfig,
-)
+from generator.config import AlignmentKind
 from generator.data.dataset import Caption, MotionDataset
-from generator.models.segmo.conditioning import uniform_lengths
+from generator.models.segmo.config import ConditioningKind, TokenizerConfig, TransformerConfig
 from generator.models.segmo.objectives.batches import BUCKET, TokenBatches, TokenCorpus, repetitions_of
 from generator.models.segmo.objectives.mask import MaskObjective
 from generator.models.segmo.objectives.tokenizer import TokenizerObjective
 from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.durations import DurationsConfig
+from generator.nn.evaluator import EvaluatorConfig
+from generator.presets import PRESETS, Preset
 from generator.text.meanwhile import clauses_at_once
+from generator.timing import uniform_lengths
 from generator.training import loop
 from generator.training.loop import Run, train
 from generator.training.stages import STAGES, Job, choose_device

@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -19,10 +18,11 @@ from numpy.typing import ArrayLike
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import MAX_SEGMENTS, TEXT_WIDTH, TOKEN_FRAMES, ConditioningKind
+from generator.config import MAX_SEGMENTS, TEXT_WIDTH
+from generator.model import TextCondition
+from generator.models.segmo.config import TOKEN_FRAMES, ConditioningKind
+from generator.nn.whitening import WhitenedText
 from generator.text.counts import MOST
-from generator.text.encoder import Whitener
-from ros_free_stack.errors import InvalidOption
 
 PROGRESS_WAVES = 4
 TOKEN_WAVELENGTHS = (4.0, 10.0, 25.0, 60.0)
@@ -47,6 +47,11 @@ class Condition:
     segments: Tensor
     counts: Tensor
     lengths: Tensor
+
+    @classmethod
+    def of(cls, text: TextCondition) -> Self:
+        """What these models read of texts; segments last whole tokens."""
+        return cls(text.sentence, text.clauses, text.counts, text.frames // TOKEN_FRAMES)
 
     @property
     def segment_mask(self) -> Tensor:
@@ -104,27 +109,6 @@ def segment_numbers(lengths: Tensor, tokens: int) -> Tensor:
     places = torch.arange(tokens, device=lengths.device)[None, :, None]
     number = (places >= lengths.cumsum(1)[:, None]).sum(-1)
     return torch.minimum(number, (lengths > 0).sum(1, keepdim=True) - 1)
-
-
-class WhitenedText(nn.Module):
-    """Whitening of text embeddings, kept with the weights. In a raw sentence embedding left and right hardly differ."""
-
-    mean: Tensor
-    matrix: Tensor
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.register_buffer("mean", torch.zeros(TEXT_WIDTH))
-        self.register_buffer("matrix", torch.eye(TEXT_WIDTH))
-
-    def fit(self, embeddings: np.ndarray) -> None:
-        """Learn the whitening of (N, 384) training texts."""
-        whitener = Whitener.fit(embeddings)
-        self.mean.copy_(torch.from_numpy(whitener.mean))
-        self.matrix.copy_(torch.from_numpy(whitener.matrix))
-
-    def forward(self, embeddings: Tensor) -> Tensor:
-        return (embeddings - self.mean) @ self.matrix
 
 
 @dataclass(frozen=True)
@@ -244,37 +228,6 @@ def _repetition(condition: Condition) -> Tensor:
     waves = torch.cat([angles.sin(), angles.cos(), (2 * angles).sin(), (2 * angles).cos()], dim=-1)
     number = functional.one_hot(counts, MOST + 1)[..., 1:]
     return torch.cat([waves * (counts > 0)[..., None], number], dim=-1).flatten(-2)
-
-
-def segment_lengths(spans: Sequence[tuple[int, int]], tokens: int) -> np.ndarray:
-    """Tokens of each segment, (A,), from its (start, end) frames in a motion of so many tokens.
-
-    A boundary lies midway between the end of one segment and the start of the next; each segment gets at least one.
-
-    Raises:
-        InvalidOption: more segments than tokens or than the models take.
-    """
-    count = len(spans)
-    check_segments(count, tokens)
-    edges = [0]
-    for i, ((_, end), (start, _)) in enumerate(pairwise(spans), start=1):
-        edge = round((end + start) / 2 / TOKEN_FRAMES)
-        edges.append(min(max(edge, edges[-1] + 1), tokens - (count - i)))
-    return np.diff([*edges, tokens])
-
-
-def uniform_lengths(count: int, tokens: int) -> np.ndarray:
-    """Equal shares of the tokens for each segment, (A,): SegMo's default (section 3.4)."""
-    check_segments(count, tokens)
-    return np.diff(np.arange(count + 1) * tokens // count)
-
-
-def check_segments(count: int, tokens: int) -> None:
-    """InvalidOption unless there are 1 to 5 segments and a token for each."""
-    if not 1 <= count <= MAX_SEGMENTS:
-        raise InvalidOption("segments", f"the models take 1 to {MAX_SEGMENTS} segments, found {count}")
-    if tokens < count:
-        raise InvalidOption("segments", f"{count} segments do not fit into {tokens} tokens of {TOKEN_FRAMES} frames")
 
 
 def stack_lengths(rows: Sequence[ArrayLike]) -> Tensor:

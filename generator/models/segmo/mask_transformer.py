@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
-from generator.config import MAX_TOKENS, Sampling, TransformerConfig
 from generator.models.segmo.alignment import SegmentAlignment
 from generator.models.segmo.conditioning import Condition, Conditioning, SegmentConditioning
+from generator.models.segmo.config import MAX_TOKENS, SegmoSampling, TransformerConfig
 from generator.nn.layers import Transformer
 
 RANDOM_SHARE, MASK_SHARE = 0.1, 0.88
@@ -92,7 +92,7 @@ class MaskTransformer(nn.Module):
 
     @torch.inference_mode()
     def generate(
-        self, condition: Condition, sampling: Sampling, generator: torch.Generator, known: Tensor | None = None
+        self, condition: Condition, sampling: SegmoSampling, generator: torch.Generator, known: Tensor | None = None
     ) -> Tensor:
         """Base tokens (P, B, T): all masks at first, at each step the surest ones stay (cosine schedule of MaskGIT).
 

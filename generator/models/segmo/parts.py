@@ -6,7 +6,7 @@ freely (ParTY, section 3.2, gives arms and legs their own tokens beside holistic
 
 from typing import Final
 
-from generator.config import PartsKind
+from generator.models.segmo.config import PartsKind
 from ros_free_stack.formats.features import CHANNELS
 
 _JOINTS: Final[dict[str, tuple[str, ...]]] = {

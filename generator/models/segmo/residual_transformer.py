@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor, nn
 
-from generator.config import MAX_TOKENS, Sampling, TransformerConfig
 from generator.models.segmo.conditioning import Condition, SegmentConditioning
+from generator.models.segmo.config import MAX_TOKENS, SegmoSampling, TransformerConfig
 from generator.models.segmo.mask_transformer import sample
 from generator.nn.layers import Transformer
 
@@ -56,7 +56,7 @@ class ResidualTransformer(nn.Module):
         self,
         base: Tensor,
         condition: Condition,
-        sampling: Sampling,
+        sampling: SegmoSampling,
         generator: torch.Generator,
         known: Tensor | None = None,
     ) -> Tensor:

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from generator.config import TOKEN_FRAMES
+from generator.models.segmo.config import TOKEN_FRAMES
 
 POSES: Final = slice(0, 67)
 """Features that the cuts are found in: root velocities, height and joint positions. Rotations and joint velocities

@@ -12,7 +12,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import FEATURES, TOKEN_FRAMES, TokenizerConfig
+from generator.config import FEATURES
+from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.parts import part_channels
 from generator.nn.quantizer import Quantized, ResidualQuantizer
 

@@ -10,10 +10,11 @@ import torch
 from torch import Tensor, nn
 
 from generator import weights
-from generator.config import MAX_SEGMENTS, MAX_TOKENS, TOKEN_FRAMES, SegmentationKind, TokenizerConfig
+from generator.config import MAX_SEGMENTS, SegmentationKind
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.drawing import drawing_weights
 from generator.models.segmo.conditioning import Condition
+from generator.models.segmo.config import MAX_TOKENS, TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
 from generator.models.segmo.objectives.tokenizer import batches_of_equal_length, feature_batch
 from generator.models.segmo.tokenizer import MotionTokenizer

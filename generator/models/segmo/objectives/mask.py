@@ -7,7 +7,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import Training, TransformerConfig
+from generator.config import Training
+from generator.models.segmo.config import TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens
 from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
 from ros_free_stack.errors import InvalidOption

@@ -7,7 +7,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import Training, TransformerConfig
+from generator.config import Training
+from generator.models.segmo.config import TransformerConfig
 from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
 from generator.models.segmo.objectives.mask import VALIDATION_CLIPS, dropped_conditions
 from generator.models.segmo.residual_transformer import ResidualTransformer

@@ -5,10 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from generator.config import MAX_SEGMENTS, TOKEN_FRAMES, SegmentationKind
+from generator.config import MAX_SEGMENTS, SegmentationKind
 from generator.data.dataset import Clip, MotionDataset
 from generator.models.segmo import segmentation
-from generator.models.segmo.conditioning import segment_lengths, uniform_lengths
+from generator.models.segmo.config import TOKEN_FRAMES
+from generator.timing import segment_lengths, uniform_lengths
 from ros_free_stack.console import progress
 from ros_free_stack.files import atomic_path
 
@@ -20,7 +21,7 @@ def segmentation_table(dataset: MotionDataset, kind: SegmentationKind) -> np.nda
     """(N, 5) int64 tokens of each segment of all clips, 0 beyond a clip's segments."""
     if kind == "exact":
         return _table([
-            segment_lengths([(segment.start, segment.end) for segment in clip.segments], _tokens(clip))
+            segment_lengths([(segment.start, segment.end) for segment in clip.segments], _tokens(clip), TOKEN_FRAMES)
             for clip in dataset.clips
         ])  # fmt: skip
     if kind == "uniform":

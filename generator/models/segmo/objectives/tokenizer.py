@@ -9,8 +9,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import TOKEN_FRAMES, TokenizerConfig, Training
+from generator.config import Training
 from generator.data.dataset import Clip, MotionDataset
+from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.tokenizer import MotionTokenizer
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D
