@@ -21,14 +21,14 @@ from generator import weights
 from generator.config import AlignmentKind, SegmentationKind, Training
 from generator.data.dataset import MotionDataset
 from generator.grounding.consistency import consistency, paired_segments
-from generator.models.segmo.config import TOKEN_S, ConditioningKind, TokenizerConfig, TransformerConfig
+from generator.models.segmo.config import TOKEN_S, ConditioningKind, MaskLosses, TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
 from generator.models.segmo.objectives.mask import MaskObjective
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
 from generator.models.segmo.parts import part_count
 from generator.models.segmo.segmentation import boundary_errors, boundary_iou
-from generator.text.understanding import DOMAIN
+from generator.registry import DEFAULT, SHARED
 from generator.training.loop import CHECKPOINT, Objective, Run, train
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidFile, StackError, UnknownName
@@ -36,7 +36,8 @@ from ros_free_stack.files import make_folder, write_json
 
 SEGMENTATIONS: tuple[SegmentationKind, ...] = ("uniform", "change-point", "clustering", "exact")
 RESULT = "result.json"
-SHARED = ("tokenizer", "residual", "durations", DOMAIN)
+ALIKE = (f"{DEFAULT}/tokenizer", f"{DEFAULT}/residual", SHARED)
+"""What all rows share."""
 
 
 @dataclass(frozen=True)
@@ -115,29 +116,24 @@ class Ablation:
             sentence_dropout=row.sentence_dropout,
         )
 
-    def training(self, row: Row) -> Training:
-        """All rows are trained alike but for their alignment."""
-        return Training(
-            self.arguments.batch,
-            self.arguments.iterations,
-            1e-3,
-            alignment=row.alignment,
-            segmentation=row.segmentation,
-        )
+    def training(self) -> Training:
+        """All rows are trained alike."""
+        return Training(self.arguments.batch, self.arguments.iterations, 1e-3)
 
     def train_row(self, name: str) -> dict[str, Any]:
         """Train a row, link what it shares, measure its segments; what was found."""
         row, folder = ROWS[name], make_folder(self.arguments.out / name)
         self._link_shared(folder)
         torch.manual_seed(self.arguments.seed)
-        training, config = self.training(row), self.transformer(row)
-        end = self._train(MaskObjective(self.corpus, config, training, self.arguments.seed), training, name)
+        training, config = self.training(), self.transformer(row)
+        losses = MaskLosses(row.alignment, segmentation=row.segmentation)
+        end = self._train(MaskObjective(self.corpus, config, training, losses, self.arguments.seed), training, name)
         result = {"row": asdict(row), "training": asdict(training), "end": end, "consistency": self._consistency(name)}
         write_json(folder / RESULT, result)
         return result
 
     def _train(self, objective: Objective, training: Training, name: str) -> dict[str, float]:
-        folder = self.arguments.out / name / objective.name
+        folder = self.arguments.out / name / DEFAULT / objective.name
         resume = self.arguments.resume and (folder / CHECKPOINT).is_file()
         say(f"{name}: {objective.name}")
         end = train(
@@ -152,14 +148,15 @@ class Ablation:
 
     def _link_shared(self, folder: Path) -> None:
         """Links to the models that all rows share."""
-        for name in SHARED:
+        make_folder(folder / DEFAULT)
+        for name in ALIKE:
             source = self.arguments.weights / name
             if source.exists() and not (folder / name).is_symlink():
                 (folder / name).symlink_to(source.resolve(), target_is_directory=source.is_dir())
 
     def _consistency(self, name: str) -> dict[str, dict[str, float]]:
         """ISC on the test split under each segmentation; nothing for a model without segments."""
-        saved = weights.load(self.arguments.out / name / "mask", "mask")
+        saved = weights.load(self.arguments.out / name / DEFAULT / "mask", "mask")
         model = MaskTransformer(saved.config_as(TransformerConfig))
         if model.config.conditioning == "sentence":
             return {}
@@ -222,8 +219,8 @@ def run(arguments: Arguments) -> dict[str, dict[str, Any]]:
     missing = [name for name, path in finished.items() if not path.is_file()]
     if missing:
         dataset = MotionDataset.open(arguments.dataset)
-        saved = weights.load(arguments.weights / "tokenizer", "tokenizer")
-        corpus = TokenCorpus.build(dataset, arguments.weights / "tokenizer", arguments.device)
+        saved = weights.load(arguments.weights / DEFAULT / "tokenizer", "tokenizer")
+        corpus = TokenCorpus.build(dataset, arguments.weights / DEFAULT / "tokenizer", arguments.device)
         ablation = Ablation(arguments, corpus, saved.config_as(TokenizerConfig))
         for name in missing:
             ablation.train_row(name)

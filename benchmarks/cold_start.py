@@ -25,6 +25,7 @@ def main(folder: str, candidates: int, threads: int, duration_s: float, prompt: 
     from pathlib import Path
 
     from generator.performer import Performer
+    from generator.registry import SHARED
     from generator.text.domain import Domain
     from generator.text.encoder import TextEncoder
     from generator.text.splitter import Splitter
@@ -40,7 +41,7 @@ def main(folder: str, candidates: int, threads: int, duration_s: float, prompt: 
     lap("split")
     encoder = TextEncoder()
     lap("load text encoder")
-    domain = Domain.load(Path(folder) / DOMAIN, encoder)
+    domain = Domain.load(Path(folder) / SHARED / DOMAIN, encoder)
     lap("load known texts")
     domain.similarity(segments)
     lap("check known")

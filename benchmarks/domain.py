@@ -13,7 +13,7 @@ from time import perf_counter
 
 import tyro
 
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import SHARED, WEIGHTS_FOLDER
 from generator.text.understanding import Understanding
 from ros_free_stack.errors import InvalidPrompt, OutOfDomain
 
@@ -74,7 +74,7 @@ def outcomes(understanding: Understanding) -> tuple[Outcome, ...]:
 
 def main(arguments: Arguments) -> None:
     """Print the table and the mistakes."""
-    understanding = Understanding(arguments.weights)
+    understanding = Understanding(arguments.weights / SHARED)
     accepted(understanding, "a person walks")  # loads parser and encoder
     start = perf_counter()
     counted = outcomes(understanding)

@@ -10,7 +10,8 @@ from typing import Annotated
 import tyro
 
 from benchmarks.corpus import Figure, draw_sheet, human_figures
-from generator.performer import WEIGHTS_FOLDER, Performer
+from generator.performer import Performer
+from generator.registry import WEIGHTS_FOLDER
 from generator.text.splitter import Splitter
 from ros_free_stack.console import progress
 from ros_free_stack.errors import StackError

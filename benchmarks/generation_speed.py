@@ -29,8 +29,9 @@ from benchmarks.speed_variants import VARIANTS
 from generator.models.segmo.conditioning import Condition
 from generator.models.segmo.config import MAX_TOKENS, TOKEN_S
 from generator.models.segmo.model import SegMo
-from generator.performer import FIRST_SAMPLES, WEIGHTS_FOLDER, Performer, PerformerSettings
+from generator.performer import FIRST_SAMPLES, Performer, PerformerSettings
 from generator.postprocess.foot_lock import lock_feet
+from generator.registry import SHARED, WEIGHTS_FOLDER
 from generator.text.counts import segment_counts
 from generator.text.domain import Domain
 from generator.text.meanwhile import encode_segments
@@ -163,7 +164,7 @@ def run(arguments: Arguments) -> dict[str, Any]:
     say("a fresh process for each number of candidates")
     cold = {count: cold_start(arguments, count) for count in arguments.candidates}
     generator = Performer.load(arguments.weights)
-    bench = Bench(generator, Splitter(), Domain.load(arguments.weights / DOMAIN, generator.text_encoder))
+    bench = Bench(generator, Splitter(), Domain.load(arguments.weights / SHARED / DOMAIN, generator.text_encoder))
     profile = {count: parts(bench, count, arguments.repeats) for count in arguments.candidates}
     ways: dict[str, tuple[Callable[[], Performer], PerformerSettings, int]] = {
         name: (lambda name=name: bench.variant(name), FIRST_SAMPLES, 0) for name in arguments.variants

@@ -24,9 +24,8 @@ from generator.grounding.texts import KnownTexts
 from generator.models.segmo.config import TOKEN_S
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
 from generator.models.segmo.segmentation import boundary_iou
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import DEFAULT, WEIGHTS_FOLDER
 from generator.text.encoder import TextEncoder
-from generator.text.meanwhile import encode_segments
 from ros_free_stack.console import progress
 
 POOL = 32
@@ -62,7 +61,7 @@ def embed(dataset: MotionDataset, space: AlignedSpace, count: int) -> list[Embed
     lengths, found = segmentation_table(dataset, "exact"), []
     chosen = [i for i, clip in enumerate(dataset.clips) if clip.split == "test"][:count]
     every = [text for number in chosen for text in dataset.clips[number].captions[0].segments]
-    embeddings = iter(space.texts(encode_segments(TextEncoder(), every)).split(1))
+    embeddings = iter(space.texts(TextEncoder(), every).split(1))
     for number in progress(chosen, "embedding clips", total=len(chosen)):
         clip = dataset.clips[number]
         own = lengths[number][: len(clip.segments)]
@@ -116,8 +115,8 @@ def grounding_iou(space: AlignedSpace, embedded: list[Embedded]) -> tuple[np.nda
 def main(arguments: Arguments) -> None:
     """Print the table."""
     torch.set_num_threads(arguments.threads)
-    dataset, space = MotionDataset.open(arguments.dataset), AlignedSpace.load(arguments.weights)
-    known = KnownTexts.load(arguments.weights / "grounding")
+    dataset, space = MotionDataset.open(arguments.dataset), AlignedSpace.load(arguments.weights / DEFAULT)
+    known = KnownTexts.load(arguments.weights / DEFAULT / "grounding")
     embedded = embed(dataset, space, arguments.clips)
     texts, motions = (torch.cat([getattr(item, name) for item in embedded]) for name in ("texts", "segments"))
     _, rows = np.unique([text for item in embedded for text in item.clip.captions[0].segments], return_inverse=True)

@@ -21,11 +21,12 @@ from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
 from generator.data.dataset import Clip, MotionDataset
 from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
-from generator.performer import WEIGHTS_FOLDER, Performer, PerformerSettings
+from generator.performer import Performer, PerformerSettings
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
 from generator.probes.named import named
 from generator.probes.signals import Signals
 from generator.ranking import Ranker
+from generator.registry import WEIGHTS_FOLDER
 from ros_free_stack.console import progress
 from ros_free_stack.errors import UnknownName
 from ros_free_stack.formats.features import decode

@@ -7,13 +7,14 @@ import sys
 from pathlib import Path
 
 from generator.data.draw import draw_motion
-from generator.performer import WEIGHTS_FOLDER, Performer
+from generator.performer import Performer
+from generator.registry import SHARED_WEIGHTS
 from generator.text.understanding import Understanding
 from ros_free_stack.files import make_folder, save_motion
 
 
 def main(prompt: str, folder: Path) -> None:
-    segments, _ = Understanding(WEIGHTS_FOLDER).segments(prompt)
+    segments, _ = Understanding(SHARED_WEIGHTS).segments(prompt)
     motion = Performer.load().generate(prompt, segments, seed=0)[0]
     for segment in motion.segments:
         print(f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}")

@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
+from generator.registry import DEFAULT, DEFAULT_PRESET, SHARED, WEIGHTS_FOLDER, find_preset, stages
+from generator.settings import Size
 from ros_free_stack.console import Command, say
 from ros_free_stack.errors import InvalidOption
 
@@ -14,21 +16,27 @@ if TYPE_CHECKING:
     from ros_free_stack.messages import HumanMotion
 
 
+DOMAIN_STAGE: Final = "domain"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Train(Command):
     """Train a model of the generator; interrupt it at will and go on with --resume."""
 
-    stage: Annotated[
-        Literal["tokenizer", "mask", "residual", "durations", "evaluator", "grounding", "domain", "all"],
-        tyro.conf.Positional,
-    ]
-    """Which model; mask, residual and grounding need tokenizer. `domain` lists the known texts. `all` does all."""
+    stage: Annotated[str, tyro.conf.Positional]
+    """Which model: for `segmo` tokenizer, mask, residual or grounding, of which the latter three need tokenizer, and
+    durations or evaluator, which serve all generators. `domain` lists the known texts. `all` does all."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""
     out: Path
-    """Folder for the weights; each model gets a folder in it."""
-    preset: Literal["small", "full"] = "small"
-    """`small` trains on two processor cores, `full` has the published sizes and wants a GPU."""
+    """Folder for the weights; each generator gets a folder in it, and each model one in that."""
+    preset: str = DEFAULT_PRESET
+    """How the models are built and trained: `segmo-layout` is what comes with the program, `segmo-published` SegMo as
+    published, `momask` its baseline."""
+    size: Size = "small"
+    """`small` trains on two processor cores, `published` has the published sizes and wants a GPU."""
+    set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """A setting of the preset to change, for example mask.training.batch=8; give it as often as you like."""
     iterations: int | None = None
     """How many iterations; the preset's number where not given."""
     minutes: float | None = None
@@ -49,33 +57,39 @@ class Train(Command):
 
         from generator.data.dataset import MotionDataset
         from generator.training.domain import fit_domain
-        from generator.training.stages import STAGES, Job, choose_device
+        from generator.training.stages import StageJob, choose_device
 
+        generator, preset = find_preset(self.preset, self.size)
+        preset = preset.changed(self.set)
         torch.set_num_threads(self.threads)
         dataset, device = MotionDataset.open(self.dataset), choose_device(self.device)
+        names = (*(stage.name for stage in stages(generator)), DOMAIN_STAGE)
         results: dict[str, dict[str, float]] = {}
-        for stage in (*STAGES, "domain") if self.stage == "all" else (self.stage,):
-            if stage == "domain":
-                results[stage] = fit_domain(dataset, self.out)
+        folders: dict[str, Path] = {}
+        for stage in names if self.stage == "all" else (self.stage,):
+            if stage == DOMAIN_STAGE:
+                folders[stage] = self.out / SHARED
+                results[stage] = fit_domain(dataset, folders[stage])
                 continue
             torch.manual_seed(self.seed)
-            job = Job(
-                stage,
-                dataset,
-                self.preset,
-                self.out,
-                self.iterations,
-                self.minutes,
-                device,
-                self.seed,
-                self.resume,
-                self.tune,
+            job = StageJob(
+                stage=stage,
+                generator=generator,
+                preset=preset,
+                dataset=dataset,
+                out=self.out,
+                iterations=self.iterations,
+                minutes=self.minutes,
+                device=device,
+                seed=self.seed,
+                resume=self.resume,
+                tune=self.tune,
             )
-            results[stage] = job.run()
+            results[stage], folders[stage] = job.run(), job.folder(stage)
             if not results[stage]["finished"]:
                 self.report(results, f"{stage}: stopped; the same command with --resume goes on")
                 return 130
-        self.report(results, *(f"{stage}: {self.out / stage}" for stage in results))
+        self.report(results, *(f"{stage}: {folder}" for stage, folder in folders.items()))
         return 0
 
 
@@ -103,6 +117,8 @@ class Generate(Command):
     """Start and end in s of what --edit makes anew."""
     then: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """A sentence to append, which goes on from where the last one ends; give it as often as you like."""
+    generator: str = DEFAULT
+    """Which generator makes the motion: `segmo` comes with the program, `momask` where it was trained."""
     weights: Path | None = None
     """Folder of trained models; the ones that come with the program where not given."""
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -113,13 +129,13 @@ class Generate(Command):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
-        from generator.performer import WEIGHTS_FOLDER, Performer
+        from generator.performer import Performer
         from generator.text.understanding import Understanding, segmenter
         from ros_free_stack.files import make_folder, save_motion
 
         self._check()
         folder = self.weights or WEIGHTS_FOLDER
-        understanding = Understanding(folder, segmenter=lambda: segmenter(self.llm, self.llm_model))
+        understanding = Understanding(folder / SHARED, segmenter=lambda: segmenter(self.llm, self.llm_model))
         sentences: list[tuple[str, tuple[str, ...]]] = []
         for prompt in (self.prompt, *self.then):
             understood = understanding.read(prompt, anyway=self.anyway)
@@ -127,7 +143,7 @@ class Generate(Command):
                 say(note)
             sentences.append((prompt, understood.segments))
         make_folder(self.out.parent)
-        generator = Performer.load(folder)
+        generator = Performer.load(folder, generator=self.generator)
         motions = self._motions(generator, sentences)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):

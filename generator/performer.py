@@ -13,10 +13,11 @@ from torch import Tensor
 from generator import weights
 from generator.continuation import concatenated
 from generator.model import Known, MotionModel, Sampling, TextCondition
-from generator.models.segmo.model import SegMo
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.postprocess.context import CONTEXT_FRAMES, CONTEXT_S, Context
 from generator.probes.signals import Signals
+from generator.registry import DEFAULT, SHARED, WEIGHTS_FOLDER
+from generator.registry import generator as registered
 from generator.resampling import Resampler
 from generator.self_check import SelfCheck
 from generator.text.condition import Texts, read_texts
@@ -29,9 +30,6 @@ from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
-
-WEIGHTS_FOLDER: Final = Path(__file__).parent / "weights"
-"""The weights that come with the program."""
 
 Features = NDArray[np.float32]
 
@@ -75,22 +73,29 @@ class Performer:
 
     @classmethod
     def load(
-        cls, folder: Path = WEIGHTS_FOLDER, *, text_encoder: TextEncoder | None = None, device: str = "cpu"
+        cls,
+        folder: Path = WEIGHTS_FOLDER,
+        *,
+        generator: str = DEFAULT,
+        text_encoder: TextEncoder | None = None,
+        device: str = "cpu",
     ) -> Self:
         """Read the models; `text_encoder` may be given where there already is one.
 
         Motions are held against their texts where the folder has the known texts.
 
         Raises:
+            UnknownName: there is no such generator.
             NoWeights: a model is not trained; the message says what to do.
             InvalidFile: the known texts are damaged.
         """
-        model = SegMo.load(folder, device=device)
-        saved = weights.load(folder / "durations", "durations")
+        model = registered(generator).load(folder, device)
+        shared = folder / SHARED
+        saved = weights.load(shared / "durations", "durations")
         durations = DurationModel(saved.config_as(DurationsConfig))
         saved.fill(durations)
         encoder = text_encoder or TextEncoder()
-        verifier = SelfCheck.load(folder, encoder) if (folder / DOMAIN).exists() else None
+        verifier = SelfCheck.load(shared, encoder) if (shared / DOMAIN).exists() else None
         return cls(model, durations.to(device).eval().requires_grad_(False), encoder, verifier, device)
 
     def generate(

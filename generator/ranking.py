@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from generator.config import MAX_FRAMES
 from generator.evaluation.embedder import CorpusEmbedder
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import SHARED, WEIGHTS_FOLDER
 from ros_free_stack.formats.features import encode
 from ros_free_stack.messages import HumanMotion
 
@@ -24,7 +24,7 @@ class Ranker:
     @classmethod
     def load(cls, folder: Path = WEIGHTS_FOLDER) -> Self:
         """Read the evaluator of a folder of weights; NoWeights says how to train it."""
-        return cls(CorpusEmbedder.load(folder / "evaluator"))
+        return cls(CorpusEmbedder.load(folder / SHARED / "evaluator"))
 
     def distances(self, prompt: str, motions: Sequence[HumanMotion]) -> NDArray[np.float64]:
         """(K,) distance of each motion to the sentence in the evaluator's space; less is better.

@@ -75,7 +75,7 @@ def load(folder: Path, what: str) -> Weights:
     if not path.is_file() or not (folder / CONFIG).is_file():
         raise NoWeights(
             f"{folder}: no trained {what}; train it with "
-            f"`python launch.py train {what} --dataset DATASET --out {folder.parent}`"
+            f"`python launch.py train {what} --dataset DATASET --out {folder.parent.parent}`"
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))

@@ -31,6 +31,7 @@ class Pipeline:
         llm_model: str = "qwen3:8b",
         mount: Mount = "free",
         controller: ControllerName | None = None,
+        generator: str = "segmo",
     ) -> None:
         """
         Args:
@@ -39,10 +40,12 @@ class Pipeline:
             llm_model: its name.
             mount: whether the robot stands free or is held by its root.
             controller: the one that will move the robot; None judges by `default`, and repair may try others.
+            generator: the one that makes the motion, by name.
         """
         self.robot, self.llm, self.llm_model = robot, llm, llm_model
         self.mount: Mount = mount
         self.controller: ControllerName | None = controller
+        self.generator = generator
         self._stages: dict[str, Any] = {}
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
@@ -52,12 +55,12 @@ class Pipeline:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
-        from generator.performer import WEIGHTS_FOLDER
+        from generator.registry import SHARED_WEIGHTS
         from generator.text.understanding import Understanding, segmenter
 
         understanding = self._stage(
             "understanding",
-            lambda: Understanding(WEIGHTS_FOLDER, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
+            lambda: Understanding(SHARED_WEIGHTS, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
         )
         understood = understanding.read(prompt, anyway=anyway)
         for note in understood.notes:
@@ -155,7 +158,7 @@ class Pipeline:
     def _generator(self) -> "Performer":
         from generator.performer import Performer
 
-        return self._stage("generator", lambda: Performer.load(text_encoder=self._encoder()))
+        return self._stage("generator", lambda: Performer.load(generator=self.generator, text_encoder=self._encoder()))
 
     def _encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder

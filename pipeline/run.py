@@ -58,6 +58,8 @@ class Run(Command):
     video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Try a sentence outside what the model knows."""
+    generator: str = "segmo"
+    """Which generator makes the motion: `segmo` comes with the program."""
     llm: str | None = None
     """Let a language model split the sentence: base address of an OpenAI-compatible endpoint."""
     llm_model: str = "qwen3:8b"
@@ -77,7 +79,12 @@ class Run(Command):
             raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
         timings = Timings()
         pipeline = Pipeline(
-            robot, llm=self.llm, llm_model=self.llm_model, mount=self.mount, controller=self._controller()
+            robot,
+            llm=self.llm,
+            llm_model=self.llm_model,
+            mount=self.mount,
+            controller=self._controller(),
+            generator=self.generator,
         )
         with timings.measure("text"):
             segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)

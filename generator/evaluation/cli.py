@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
+from generator.registry import DEFAULT
 from ros_free_stack.console import Command
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ class Evaluate(Command):
 
     weights: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Folder of trained models; name several to compare them. The ones that come with the program where not given."""
+    generator: str = DEFAULT
+    """Which of the generators in there: `segmo` or `momask`."""
     dataset: Path | None = None
     """Folder of the motion data set (made by `data build`)."""
     official: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -54,14 +57,14 @@ class Evaluate(Command):
     def run(self) -> int:
         from generator.evaluation.evaluation import Evaluation
         from generator.evaluation.table import table
-        from generator.performer import WEIGHTS_FOLDER
+        from generator.registry import SHARED, WEIGHTS_FOLDER
         from generator.training.stages import choose_device
         from ros_free_stack.files import write_json
 
         wanted = self._checked_rows()
         device = choose_device(self.device)
         pairs, embedder = self._material(
-            WEIGHTS_FOLDER / "evaluator", device, split_texts=bool({"first", "resampled"} & set(wanted))
+            WEIGHTS_FOLDER / SHARED / "evaluator", device, split_texts=bool({"first", "resampled"} & set(wanted))
         )
         evaluation = Evaluation(pairs, embedder, runs=self.runs, seed=self.seed)
         rows = {"real": evaluation.real_scores()} if "real" in wanted else {}
@@ -91,7 +94,7 @@ class Evaluate(Command):
 
         if not set(wanted) - {"real"}:
             return
-        performer = Performer.load(folder, device=device)
+        performer = Performer.load(folder, generator=self.generator, device=device)
         if "reconstruction" in wanted and (scores := evaluation.reconstruction_scores(performer.model)):
             yield "reconstruction", scores
         for name in ("first", "resampled"):

@@ -32,22 +32,21 @@ class Ground(Command):
         from generator.grounding.search import ground, similarity_map
         from generator.grounding.space import AlignedSpace
         from generator.models.segmo.config import TOKEN_S
-        from generator.performer import WEIGHTS_FOLDER
+        from generator.registry import DEFAULT, WEIGHTS_FOLDER
         from generator.text.encoder import TextEncoder
-        from generator.text.meanwhile import encode_segments
         from generator.text.splitter import Splitter
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion
 
         motion = load_motion(self.motion)
         texts = Splitter().split(self.prompt)
-        space = AlignedSpace.load(self.weights or WEIGHTS_FOLDER)
+        space = AlignedSpace.load((self.weights or WEIGHTS_FOLDER) / DEFAULT)
         hidden = space.hidden(space.motion_tokens(motion))
         length = round(self.window / TOKEN_S)
         if not 1 <= length <= len(hidden):
             longest = len(hidden) * TOKEN_S
             raise InvalidOption("--window", f"must be {TOKEN_S:g} to {longest:g} s here, found {self.window:g}")
-        embedded = space.texts(encode_segments(TextEncoder(), texts))
+        embedded = space.texts(TextEncoder(), texts)
         found = ground(space, hidden, embedded)
         if self.out:
             from generator.grounding.figure import draw_similarity
@@ -79,13 +78,13 @@ class Caption(Command):
         from generator.grounding.space import AlignedSpace
         from generator.grounding.texts import KnownTexts
         from generator.models.segmo.config import TOKEN_S
-        from generator.performer import WEIGHTS_FOLDER
+        from generator.registry import DEFAULT, WEIGHTS_FOLDER
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion
 
         if self.top < 1:
             raise InvalidOption("--top", f"must be at least 1, found {self.top}")
-        motion, folder = load_motion(self.motion), self.weights or WEIGHTS_FOLDER
+        motion, folder = load_motion(self.motion), (self.weights or WEIGHTS_FOLDER) / DEFAULT
         space, known = AlignedSpace.load(folder), KnownTexts.load(folder / "grounding")
         tokens = space.motion_tokens(motion)
         lengths = self._lengths(motion, space, tokens.shape[1])

@@ -19,6 +19,8 @@ from generator.models.segmo.conditioning import Condition
 from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.text.encoder import TextEncoder
+from generator.text.meanwhile import encode_segments
 from ros_free_stack.errors import InvalidOption, NoWeights
 from ros_free_stack.formats.features import encode
 from ros_free_stack.messages import HumanMotion
@@ -46,7 +48,7 @@ class AlignedSpace:
         if saved["grounding"].facts.get("tokenizer") != saved["tokenizer"].digest:
             raise NoWeights(
                 f"{folder / 'grounding'}: was trained with another tokenizer than the one in {folder}; "
-                f"train it again with `python launch.py train grounding --dataset DATASET --out {folder}`"
+                f"train it again with `python launch.py train grounding --dataset DATASET --out {folder.parent}`"
             )
         tokenizer = MotionTokenizer(saved["tokenizer"].config_as(TokenizerConfig))
         model = MaskTransformer(saved["grounding"].config_as(TransformerConfig))
@@ -94,9 +96,14 @@ class AlignedSpace:
         with torch.inference_mode():
             return self.model.alignment.embed(windows.mean(-1), windows.amax(-1))
 
-    def texts(self, embeddings: np.ndarray) -> Tensor:
-        """(N, W) of the embeddings (N, 2, 384) of segment texts' clauses, see `generator.text.meanwhile`."""
+    def texts(self, encoder: TextEncoder, texts: Sequence[str]) -> Tensor:
+        """(N, W) of segment texts, read as the model reads them: in clauses or whole."""
+        if self.model.config.clauses:
+            embeddings = encode_segments(encoder, texts)
+        else:
+            whole = encoder.encode_sentences(texts)
+            embeddings = np.stack([whole, np.zeros_like(whole)], axis=1)
         conditioning = self.model.conditioning
         with torch.inference_mode():
-            clauses = conditioning.clauses(torch.from_numpy(np.asarray(embeddings, dtype=np.float32)))
+            clauses = conditioning.clauses(torch.from_numpy(embeddings))
             return self.model.alignment.text_embeddings(conditioning.segment(clauses))

@@ -11,7 +11,7 @@ from torch import Tensor
 from generator.data.dataset import MotionDataset
 from generator.grounding.space import AlignedSpace
 from generator.text.encoder import TextEncoder
-from generator.text.meanwhile import encode_segments
+from generator.training.stages import StageJob
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
 
@@ -33,7 +33,7 @@ class KnownTexts:
             text for clip in dataset.split("train") for caption in clip.captions for text in caption.segments
         )
         texts = tuple(sorted(text for text, _ in counts.most_common(LIMIT)))
-        return cls(texts, space.texts(encode_segments(TextEncoder(), texts)))
+        return cls(texts, space.texts(TextEncoder(), texts))
 
     def nearest(self, segments: Tensor, count: int) -> list[list[tuple[str, float]]]:
         """The `count` most similar texts of each motion segment (A, W) with their cosines, the best first."""
@@ -65,3 +65,9 @@ class KnownTexts:
                 return cls(texts, archive.get_tensor("embeddings").float())
         except (SafetensorError, KeyError, ValueError) as error:
             raise InvalidFile(path, f"not the known texts of a grounding model ({error})") from None
+
+
+def after_training(job: StageJob) -> None:
+    """Embed the known texts with a grounding model that was just trained, and keep them beside it."""
+    folder = job.folder(job.stage)
+    KnownTexts.fit(job.dataset, AlignedSpace.load(folder.parent)).save(folder)

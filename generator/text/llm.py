@@ -1,6 +1,6 @@
 """Segments from a language model behind an OpenAI-compatible endpoint, in place of the splitter.
 
-SegMo (Fan et al. 2025, section 3.3) segments with Qwen 3 8B under three rules: temporal order, details kept,
+SegMo (Dang et al. 2026, section 3.3) segments with Qwen 3 8B under three rules: temporal order, details kept,
 simultaneous actions in one segment. The wording of the instruction here is this project's own. Every answer is checked;
 whatever is wrong with one, the splitter reads the prompt instead and a note says why.
 """

@@ -1,4 +1,4 @@
-"""A prompt into its segments, by SegMo's three rules (Fan et al. 2025, section 3.3) over spaCy's parse.
+"""A prompt into its segments, by SegMo's three rules (Dang et al. 2026, section 3.3) over spaCy's parse.
 
 Temporal order ("bows after waving" is wave, bow), details kept ("twice", "slowly"), simultaneous actions stay one
 ("walks while waving"). Where English leaves it open ("walks forward and waves"), "and" means "then".

@@ -12,8 +12,14 @@ from generator.data.dataset import Clip, MotionDataset
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.text.counts import segment_counts
 from generator.timing import segment_lengths
+from generator.training.stages import StageJob
 from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.skeleton import FPS
+
+
+def from_job(job: StageJob) -> "DurationsObjective":
+    """The objective of a stage of training."""
+    return DurationsObjective(job.dataset, job.model(DurationsConfig), job.training, job.seed)
 
 
 class DurationsObjective:

@@ -15,6 +15,7 @@ from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
 from generator.nn.evaluator import STRIDE, EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
+from generator.training.stages import StageJob
 from ros_free_stack.errors import InvalidOption
 
 BUCKET = 12  # batches that are drawn together and then sorted by length, so that little padding is computed
@@ -43,6 +44,11 @@ def contrastive_loss(motion: Tensor, text: Tensor, same: Tensor) -> Tensor:
     pair = torch.arange(len(logits), device=logits.device)
     logits = logits.masked_fill(same & (pair[:, None] != pair), -torch.inf)
     return 0.5 * (functional.cross_entropy(logits, pair) + functional.cross_entropy(logits.T, pair))
+
+
+def from_job(job: StageJob) -> "EvaluatorObjective":
+    """The objective of a stage of training."""
+    return EvaluatorObjective(job.dataset, job.model(EvaluatorConfig), job.training, job.seed)
 
 
 class EvaluatorObjective:

@@ -21,6 +21,7 @@ from generator import weights
 from generator.config import Training
 from generator.training.curve import plot_curve, write_curve
 from generator.training.reporter import Reporter
+from generator.training.schedule import learning_rate
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import atomic_path, make_folder
 
@@ -101,7 +102,7 @@ class _Trainer:
         self.optimiser = torch.optim.AdamW(
             self.model.parameters(),
             lr=training.learning_rate,
-            betas=(0.9, 0.99),
+            betas=training.betas,
             weight_decay=training.weight_decay,
             fused=True,
         )
@@ -139,10 +140,7 @@ class _Trainer:
         return min(done, 1.0)
 
     def _learning_rate(self) -> float:
-        training = self.training
-        cosine = 0.5 * (1 + math.cos(math.pi * self._progress()))
-        warm = min(1.0, (self.state.iteration + 1) / training.warm_up)
-        return training.learning_rate * warm * (training.final_rate + (1 - training.final_rate) * cosine)
+        return learning_rate(self.training, self.state.iteration, self._progress())
 
     def _step(self) -> None:
         state = self.state
@@ -154,7 +152,8 @@ class _Trainer:
             losses = self.objective.loss(state.iteration)
         self.optimiser.zero_grad()
         losses["loss"].backward()
-        nn.utils.clip_grad_norm_(self.model.parameters(), self.training.clip)
+        if self.training.clip:
+            nn.utils.clip_grad_norm_(self.model.parameters(), self.training.clip)
         self.optimiser.step()
         self._average()
         state.iteration += 1

@@ -1,68 +1,102 @@
-"""The training stages, in the order in which one needs the other's result."""
+"""One stage of training: its settings, its data, its place, and the weights it begins with."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, TypeVar
 
 import torch
 
 from generator import weights
-from generator.config import Training
+from generator.config import Training, checked
 from generator.data.dataset import MotionDataset
-from generator.presets import Preset, preset
+from generator.registry import SHARED, Generator, Stage, resolved, stages
+from generator.settings import Preset
 from generator.training.loop import Objective, Run, train
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption, UnknownName
 
-STAGES: Final = ("tokenizer", "mask", "residual", "durations", "evaluator", "grounding")
+Config = TypeVar("Config")
 
 
-@dataclass(frozen=True)
-class Job:
-    """One stage of training.
+@dataclass(frozen=True, kw_only=True)
+class StageJob:
+    """One stage to be trained.
 
     Attributes:
-        dataset: folder of the motion data set.
-        out: folder of the weights, with one folder a model.
-        tune: folder of trained weights to begin with; none begins with random ones.
+        stage: its name.
+        generator: whose it is; durations and evaluator serve all.
+        preset: settings of all stages.
+        dataset: what it is trained on.
+        out: folder of the weights, in which every generator has a folder, and every stage one in that.
+        iterations, minutes: ends training there; the preset's number of iterations where None.
+        resume: go on from the last checkpoint.
+        tune: folder of trained weights to begin with; None begins with random ones.
     """
 
     stage: str
+    generator: Generator
+    preset: Preset
     dataset: MotionDataset
-    preset_name: str
     out: Path
-    iterations: int | None
-    minutes: float | None
-    device: str
-    seed: int
-    resume: bool
+    iterations: int | None = None
+    minutes: float | None = None
+    device: str = "cpu"
+    seed: int = 0
+    resume: bool = False
     tune: Path | None = None
+
+    @property
+    def training(self) -> Training:
+        """How the stage is trained."""
+        return checked(Training, self._section("training"), f"{self.stage}.training")
+
+    def model(self, kind: type[Config]) -> Config:
+        """Sizes of its model; UnknownName or InvalidOption where the settings do not fit."""
+        return checked(kind, self._section("model"), f"{self.stage}.model")
+
+    def objective(self, kind: type[Config]) -> Config:
+        """Its losses, likewise."""
+        return checked(kind, self._section("objective"), f"{self.stage}.objective")
+
+    def folder(self, stage: str, root: Path | None = None) -> Path:
+        """Folder of a stage's weights, in `out` if not told."""
+        own = any(stage == item.name for item in self.generator.stages)
+        return (root or self.out) / (self.generator.name if own else SHARED) / stage
 
     def run(self) -> dict[str, float]:
         """Train the stage; the last row of its loss curve.
 
         Raises:
-            InvalidOption: the weights to begin with speak another tokenizer's tokens.
+            UnknownName: the generator has no such stage, or a setting is unknown.
+            InvalidOption: a setting does not fit, or the weights to begin with speak another tokenizer's tokens.
         """
-        models = preset(self.preset_name)
-        training = _training(models, self.stage)
-        objective = _objective(self, models)
+        stage, training = self._stage(), self.training
+        objective: Objective = resolved(stage.objective)(self)
         if self.tune is not None:
-            self._begin_with(self.tune / self.stage, objective)
+            self._begin_with(self.folder(self.stage, self.tune), objective)
         parameters = sum(parameter.numel() for parameter in objective.model.parameters())
         say(f"{self.stage}: {parameters / 1e6:.2f} M parameters, {objective.facts['clips']} clips, on {self.device}")
         run = Run(self.iterations or training.iterations, self.minutes, self.device, self.seed, self.resume)
-        result = train(objective, training, self.out / self.stage, run)
-        if self.stage == "grounding" and result["finished"]:
-            self._embed_known_texts()
+        result = train(objective, training, self.folder(self.stage), run)
+        if stage.finish and result["finished"]:
+            resolved(stage.finish)(self)
         return result
+
+    def _stage(self) -> Stage:
+        known = {stage.name: stage for stage in stages(self.generator)}
+        if self.stage not in known:
+            raise UnknownName("stage", self.stage, [*known, "domain", "all"])
+        return known[self.stage]
+
+    def _section(self, name: str) -> dict[str, Any]:
+        return self.preset.stage(self.stage).get(name, {})
 
     def _begin_with(self, folder: Path, objective: Objective) -> None:
         """Take trained weights; tokens may be those of the present tokenizer or of the one that it was tuned from."""
         saved = weights.load(folder, self.stage)
         if saved.facts.get("tokenizer") not in (objective.facts.get("tokenizer"), self._tokenizer_before(objective)):
             raise InvalidOption(
-                "--tune", f"{folder} was trained with another tokenizer than the one in {self.out / 'tokenizer'}"
+                "--tune", f"{folder} was trained with another tokenizer than the one in {self.folder('tokenizer')}"
             )
         saved.fill(objective.model)
         objective.facts["tuned_from"] = saved.digest
@@ -71,13 +105,7 @@ class Job:
         """Digest of the tokenizer that the present one was tuned from, for a model that speaks its tokens."""
         if "tokenizer" not in objective.facts:
             return None
-        return weights.load(self.out / "tokenizer", "tokenizer").facts.get("tuned_from")
-
-    def _embed_known_texts(self) -> None:
-        from generator.grounding.space import AlignedSpace
-        from generator.grounding.texts import KnownTexts
-
-        KnownTexts.fit(self.dataset, AlignedSpace.load(self.out)).save(self.out / self.stage)
+        return weights.load(self.folder("tokenizer"), "tokenizer").facts.get("tuned_from")
 
 
 def choose_device(name: str) -> str:
@@ -88,40 +116,3 @@ def choose_device(name: str) -> str:
     if name not in choices:
         raise UnknownName("device", name, ["auto", *choices])
     return name
-
-
-def _training(models: Preset, stage: str) -> Training:
-    if stage not in STAGES:
-        raise UnknownName("stage", stage, [*STAGES, "all"])
-    return getattr(models, f"{stage}_training")
-
-
-def _objective(job: Job, models: Preset) -> Objective:
-    """The stage's objective; each imports only what it needs, so that none waits for the others' libraries."""
-    training = _training(models, job.stage)
-    if job.stage == "tokenizer":
-        from generator.models.segmo.objectives.tokenizer import TokenizerObjective
-
-        return TokenizerObjective(job.dataset, models.tokenizer, training, job.seed)
-    if job.stage == "durations":
-        from generator.training.durations import DurationsObjective
-
-        return DurationsObjective(job.dataset, models.durations, training, job.seed)
-    if job.stage == "evaluator":
-        from generator.training.evaluator import EvaluatorObjective
-
-        return EvaluatorObjective(job.dataset, models.evaluator, training, job.seed)
-    from generator.models.segmo.objectives.batches import TokenCorpus
-
-    corpus = TokenCorpus.build(job.dataset, job.out / "tokenizer", job.device)
-    if job.stage == "mask":
-        from generator.models.segmo.objectives.mask import MaskObjective
-
-        return MaskObjective(corpus, models.mask, training, job.seed)
-    if job.stage == "grounding":
-        from generator.models.segmo.objectives.mask import MaskObjective
-
-        return MaskObjective(corpus, models.grounding, training, job.seed, name="grounding")
-    from generator.models.segmo.objectives.residual import ResidualObjective
-
-    return ResidualObjective(corpus, models.residual, training, job.seed)

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 import launch
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import DEFAULT, WEIGHTS_FOLDER
 
 PROMPT = "a person bows, waves with the left hand, then walks forward"
 
 pytestmark = pytest.mark.skipif(
-    not (WEIGHTS_FOLDER / "grounding").is_dir(), reason="the weights folder holds no grounding model"
+    not (WEIGHTS_FOLDER / DEFAULT / "grounding").is_dir(), reason="the weights folder holds no grounding model"
 )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import launch
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import DEFAULT, WEIGHTS_FOLDER
 from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, load_verdict
 from ros_free_stack.robots import load_robot
 
@@ -18,7 +18,7 @@ WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candid
 EXAMPLES = Path(launch.__file__).parent / "examples"
 
 pytestmark = pytest.mark.skipif(
-    not (WEIGHTS_FOLDER / "mask").is_dir(), reason="the weights folder holds no trained models"
+    not (WEIGHTS_FOLDER / DEFAULT / "mask").is_dir(), reason="the weights folder holds no trained models"
 )
 
 

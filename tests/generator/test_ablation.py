@@ -8,15 +8,15 @@ import torch
 from benchmarks import ablation
 from benchmarks.ablation import Arguments, run, segmentation_rows, show
 from generator import weights
+from generator.config import Training
 from generator.data.dataset import MotionDataset
-from generator.models.segmo.config import TokenizerConfig, TransformerConfig
+from generator.models.segmo.config import TokenizerConfig, TokenizerLosses, TransformerConfig
 from generator.models.segmo.model import SegMo
 from generator.models.segmo.objectives.tokenizer import TokenizerObjective
 from generator.models.segmo.parts import part_count
 from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.performer import Performer
-from generator.presets import PRESETS
 from generator.training.loop import Run, train
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.files import make_folder
@@ -27,15 +27,17 @@ from tests.generator.tiny_dataset import write_tiny_dataset
 def arguments(tmp_path_factory: pytest.TempPathFactory) -> Arguments:
     folder = tmp_path_factory.mktemp("ablation")
     dataset = MotionDataset.open(write_tiny_dataset(folder / "data", test_split=True))
-    training = replace(PRESETS["small"].tokenizer_training, batch=8, window=40)
+    training = Training(8, 3, 1e-3, ema=0.0, weight_decay=0.0)
     torch.manual_seed(0)
     config = TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs")
-    train(TokenizerObjective(dataset, config, training, seed=0), training, folder / "w" / "tokenizer", Run(3))
+    objective = TokenizerObjective(dataset, config, training, TokenizerLosses(window=40), seed=0)
+    own, shared = folder / "w" / "segmo", folder / "w" / "shared"
+    train(objective, training, own / "tokenizer", Run(3))
     residual = TransformerConfig(16, 1, 4, 32, dropout=0.0, codes=32, quantizers=2, parts=part_count(config.parts))
-    facts = {"tokenizer": weights.digest(folder / "w" / "tokenizer")}
-    weights.save(make_folder(folder / "w" / "residual"), residual, ResidualTransformer(residual), facts)
+    facts = {"tokenizer": weights.digest(own / "tokenizer")}
+    weights.save(make_folder(own / "residual"), residual, ResidualTransformer(residual), facts)
     durations = DurationsConfig(8)
-    weights.save(make_folder(folder / "w" / "durations"), durations, DurationModel(durations), {})
+    weights.save(make_folder(shared / "durations"), durations, DurationModel(durations), {})
     return Arguments(
         dataset=folder / "data",
         weights=folder / "w",

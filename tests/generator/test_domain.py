@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.domain import HALVES, LISTS, sentences
 from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry, phrase
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import SHARED_WEIGHTS
 from generator.text.domain import Domain, deeds
 from generator.text.encoder import TextEncoder
 from generator.text.splitter import Splitter
@@ -40,7 +40,7 @@ def domain(corpus: list[str], encoder: TextEncoder) -> Domain:
 
 @pytest.fixture(scope="module")
 def shipped(encoder: TextEncoder) -> Domain:
-    return Domain.load(WEIGHTS_FOLDER / DOMAIN, encoder)
+    return Domain.load(SHARED_WEIGHTS / DOMAIN, encoder)
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 
-from generator import weights
 from generator.data.dataset import MotionDataset
 from generator.evaluation.cli import Evaluate
 from generator.evaluation.embedder import CorpusEmbedder
@@ -16,17 +14,13 @@ from generator.evaluation.evaluation import Generation
 from generator.evaluation.pairs import corpus_pairs
 from generator.evaluation.protocol import MotionSet, Score, score
 from generator.evaluation.table import table
-from generator.models.segmo.config import TokenizerConfig, TransformerConfig
-from generator.models.segmo.mask_transformer import MaskTransformer
-from generator.models.segmo.residual_transformer import ResidualTransformer
-from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.nn.durations import DurationModel, DurationsConfig
-from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.performer import Performer, PerformerSettings
 from generator.postprocess.context import Context, whole_features
+from generator.registry import SHARED
 from ros_free_stack.errors import InvalidOption, NoWeights, UnknownName
 from ros_free_stack.formats.features import decode
 from tests.generator.tiny_dataset import write_tiny_dataset
+from tests.generator.tiny_models import write_tiny_models
 
 
 @pytest.fixture(scope="module")
@@ -37,28 +31,11 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of tiny models that were never trained."""
-    torch.manual_seed(0)
-    folder = tmp_path_factory.mktemp("weights")
-    for name in ("tokenizer", "mask", "residual", "durations", "evaluator"):
-        (folder / name).mkdir()
-    tokenizer = TokenizerConfig("patch", 16, 8, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs")
-    transformer = TransformerConfig(16, 1, 4, 32, dropout=0.0, codes=32, quantizers=2, parts=5)
-    model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
-    for books in model.quantizers.buffers():
-        if books.ndim == 3:
-            books.normal_()
-    weights.save(folder / "tokenizer", tokenizer, model, {})
-    facts = {"tokenizer": weights.digest(folder / "tokenizer")}
-    weights.save(folder / "mask", transformer, MaskTransformer(transformer), facts)
-    weights.save(folder / "residual", transformer, ResidualTransformer(transformer), facts)
-    weights.save(folder / "durations", DurationsConfig(8), DurationModel(DurationsConfig(8)), {})
-    evaluator = EvaluatorConfig(16, 1, 4, 8)
-    weights.save(folder / "evaluator", evaluator, MotionTextEvaluator(evaluator), {})
-    return folder
+    return write_tiny_models(tmp_path_factory.mktemp("weights"), quantizers=2, width=16)
 
 
 def command(data: Path, folder: Path, **options: object) -> Evaluate:
-    chosen = Evaluate(weights=(folder,), dataset=data, evaluator=folder / "evaluator", split="train", runs=3)
+    chosen = Evaluate(weights=(folder,), dataset=data, evaluator=folder / SHARED / "evaluator", split="train", runs=3)
     return replace(chosen, **options)  # type: ignore[arg-type]
 
 
@@ -169,7 +146,7 @@ def test_the_table_leaves_out_what_no_row_has() -> None:
 
 def test_an_embedding_does_not_depend_on_the_order(data: Path, folder: Path) -> None:
     pairs = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)
-    embedder = CorpusEmbedder.load(folder / "evaluator")
+    embedder = CorpusEmbedder.load(folder / SHARED / "evaluator")
     there = embedder.motions([pair.features for pair in pairs])
     back = embedder.motions([pair.features for pair in pairs[::-1]])
     assert np.allclose(there, back[::-1], atol=1e-5)

@@ -1,7 +1,6 @@
 """Grounding and captioning as commands, on a space that was trained on a tiny data set; measures from definitions."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,24 +14,20 @@ from generator.grounding.consistency import consistency, paired_segments, recall
 from generator.grounding.search import BACKGROUND, ground, similarity_map
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
-from generator.models.segmo.config import TOKEN_S, TokenizerConfig, TransformerConfig
+from generator.models.segmo.config import TOKEN_S
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
-from generator.presets import PRESETS
-from generator.training.stages import Job
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights
 from ros_free_stack.files import save_motion
 from ros_free_stack.messages import HumanMotion, Segment
 from tests.generator.tiny_dataset import ACTIONS, tiny_joints, write_tiny_dataset
+from tests.generator.tiny_models import tiny_job
 
-TRAINING = replace(PRESETS["small"].tokenizer_training, batch=8, iterations=150, warm_up=5, window=40)
-TINY = replace(
-    PRESETS["small"],
-    tokenizer=TokenizerConfig("patch", 32, 24, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs"),
-    tokenizer_training=TRAINING,
-    grounding=TransformerConfig(
-        32, 1, 4, 64, dropout=0.0, codes=32, quantizers=2, parts=5, conditioning="segments", condition_dropout=1.0
-    ),
-    grounding_training=replace(TRAINING, alignment="batch", ema=0.9),
+CHANGES = (
+    "tokenizer.model.encoder_width=24",
+    *(f"{stage}.training.iterations=150" for stage in ("tokenizer", "grounding")),
+    *(f"{stage}.training.warm_up=5" for stage in ("tokenizer", "grounding")),
+    "grounding.training.ema=0.9",
+    "grounding.training.weight_decay=0.0",
 )
 WAVE, WALK = "a person waves with the left hand", "a person walks forward"
 
@@ -45,11 +40,9 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
 @pytest.fixture(scope="module")
 def folder(dataset: MotionDataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("weights")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(PRESETS, "tiny", TINY)
-        for stage in ("tokenizer", "grounding"):
-            torch.manual_seed(0)
-            Job(stage, dataset, "tiny", out, None, None, "cpu", 0, False).run()
+    for stage in ("tokenizer", "grounding"):
+        torch.manual_seed(0)
+        tiny_job(stage, dataset, out, *CHANGES).run()
     return out
 
 
@@ -90,7 +83,7 @@ def test_caption_names_each_segment(folder: Path, motion: Path, capsys: pytest.C
 
 
 def test_windows_are_segments(folder: Path) -> None:
-    space = AlignedSpace.load(folder)
+    space = AlignedSpace.load(folder / "segmo")
     hidden = space.hidden(torch.arange(10).expand(space.model.config.parts, -1))
     windows = space.windows(hidden, 4)
     assert windows.shape == (7, 32)
@@ -107,7 +100,7 @@ def test_windows_are_segments(folder: Path) -> None:
 
 def test_texts_are_found_in_order(folder: Path) -> None:
     """The windows are the best ones of all that follow each other, as trying all of them finds."""
-    space = AlignedSpace.load(folder)
+    space = AlignedSpace.load(folder / "segmo")
     hidden = space.hidden(torch.arange(11).expand(space.model.config.parts, -1))
     texts = functional.normalize(torch.randn(2, 32, generator=torch.Generator().manual_seed(1)), dim=1)
     windows = [(a, b) for a in range(8) for b in range(a + 4, 12)]
@@ -127,7 +120,7 @@ def test_texts_are_found_in_order(folder: Path) -> None:
 
 
 def test_known_texts_survive_the_disk(folder: Path, dataset: MotionDataset, tmp_path: Path) -> None:
-    known = KnownTexts.load(folder / "grounding")
+    known = KnownTexts.load(folder / "segmo" / "grounding")
     assert set(known.texts) == set(ACTIONS)
     assert known.nearest(known.embeddings, 1) == [[(text, pytest.approx(1, abs=1e-2))] for text in known.texts]
     with pytest.raises(InvalidFile, match="train grounding"):
@@ -161,9 +154,9 @@ def test_consistency_is_mean_cosine_and_its_variation() -> None:
 
 
 def test_paired_segments_are_near_after_training(folder: Path, dataset: MotionDataset) -> None:
-    corpus = TokenCorpus.build(dataset, folder / "tokenizer", "cpu")
+    corpus = TokenCorpus.build(dataset, folder / "segmo" / "tokenizer", "cpu")
     batches = TokenBatches(corpus, batch=4, layout="exact", segmentation="exact", seed=0).batches(corpus.train)
-    text, motion = paired_segments(AlignedSpace.load(folder).model, batches)
+    text, motion = paired_segments(AlignedSpace.load(folder / "segmo").model, batches)
     assert len(text) == len(motion) == sum(len(clip.segments) for clip in dataset.split("train"))
     shuffled = text[torch.randperm(len(text), generator=torch.Generator().manual_seed(0))]
     assert consistency(text, motion).mean > consistency(shuffled, motion).mean + 0.2

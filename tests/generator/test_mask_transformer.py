@@ -7,12 +7,11 @@ import torch
 from torch.nn import functional
 
 from generator.models.segmo.conditioning import Condition, stack_lengths
-from generator.models.segmo.config import ConditioningKind, SegmoSampling
+from generator.models.segmo.config import ConditioningKind, SegmoSampling, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens, sample
-from generator.presets import PRESETS
 
 PARTS = 2
-CONFIG = replace(PRESETS["small"].mask, width=32, layers=2, feed_forward=64, codes=24, parts=PARTS)
+CONFIG = TransformerConfig(32, 2, 4, 64, dropout=0.0, codes=24, quantizers=3, parts=PARTS)
 
 
 def condition(*lengths: list[int], seed: int = 0) -> Condition:

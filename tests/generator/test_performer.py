@@ -1,5 +1,6 @@
 """Generation with untrained weights: shapes, timing of segments, same bytes twice, refusals. Also the commands."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,20 +11,19 @@ import torch
 from generator import weights
 from generator.cli import Generate, Train
 from generator.model import Sampling
-from generator.models.segmo.config import TokenizerConfig, TransformerConfig
+from generator.models.segmo.config import TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.model import SegMo
-from generator.models.segmo.residual_transformer import ResidualTransformer
-from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.performer import Performer, PerformerSettings
-from generator.presets import PRESETS
+from generator.registry import SHARED
 from generator.text.domain import Domain
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN
-from ros_free_stack.errors import InvalidOption, NoWeights, OutOfDomain
+from ros_free_stack.errors import InvalidOption, NoWeights, OutOfDomain, UnknownName
 from ros_free_stack.files import load_motion
 from tests.generator.tiny_dataset import write_tiny_dataset
+from tests.generator.tiny_models import SMALLER, write_tiny_models
 
 PROMPT = "a person waves, then bows"
 SEGMENTS = ("a person waves", "a person bows")
@@ -33,22 +33,8 @@ QUICK = PerformerSettings(Sampling(steps=3))
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of tiny models that were never trained."""
-    torch.manual_seed(0)
-    folder = tmp_path_factory.mktemp("weights")
-    tokenizer = TokenizerConfig("patch", 16, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs")
-    transformer = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=5)
-    model = MotionTokenizer(tokenizer, torch.zeros(263), 0.02 * torch.ones(263))
-    for books in model.quantizers.buffers():
-        if books.ndim == 3:
-            books.normal_()
-    for name in ("tokenizer", "mask", "residual", "durations"):
-        (folder / name).mkdir()
-    weights.save(folder / "tokenizer", tokenizer, model, {})
-    facts = {"tokenizer": weights.digest(folder / "tokenizer")}
-    weights.save(folder / "mask", transformer, MaskTransformer(transformer), facts)
-    weights.save(folder / "residual", transformer, ResidualTransformer(transformer), facts)
-    weights.save(folder / "durations", DurationsConfig(8), DurationModel(DurationsConfig(8)), {})
-    Domain.fit(SEGMENTS, TextEncoder()).save(folder / DOMAIN)
+    folder = write_tiny_models(tmp_path_factory.mktemp("weights"))
+    Domain.fit(SEGMENTS, TextEncoder()).save(folder / SHARED / DOMAIN)
     return folder
 
 
@@ -148,15 +134,15 @@ def test_an_action_that_takes_too_long_is_hurried_and_said(
 def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
         Performer.load(tmp_path)
-    for name in ("tokenizer", "mask", "residual", "durations"):
-        (tmp_path / name).mkdir()
-        for file in (weights.WEIGHTS, weights.CONFIG):
-            (tmp_path / name / file).write_bytes((folder / name / file).read_bytes())
-    saved = weights.load(folder / "mask", "mask")
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    saved = weights.load(folder / "segmo" / "mask", "mask")
     mask = MaskTransformer(saved.config_as(TransformerConfig))
-    weights.save(tmp_path / "mask", mask.config, mask, {"tokenizer": "another"})
+    weights.save(copy / "segmo" / "mask", mask.config, mask, {"tokenizer": "another"})
     with pytest.raises(NoWeights, match="trained with another tokenizer"):
-        Performer.load(tmp_path)
+        Performer.load(copy)
+    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, segmo"):
+        Performer.load(folder, generator="mdm")
 
 
 def test_generate_command_writes_a_motion(folder: Path, tmp_path: Path) -> None:
@@ -177,13 +163,12 @@ def test_generate_command_refuses_what_the_model_does_not_know(folder: Path, tmp
     assert out.exists()
 
 
-def test_train_command_trains_all_stages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from tests.generator.test_training import TINY
-
+def test_train_command_trains_all_stages(tmp_path: Path) -> None:
     dataset = write_tiny_dataset(tmp_path / "data", clips=8)
-    monkeypatch.setitem(PRESETS, "small", TINY)
     before = torch.get_num_threads()
-    command = Train(stage="all", dataset=dataset, out=tmp_path / "out", iterations=2, threads=1, device="cpu")
+    command = Train(
+        stage="all", dataset=dataset, out=tmp_path / "out", set=SMALLER, iterations=2, threads=1, device="cpu"
+    )
     assert command.run() == 0
     torch.set_num_threads(before)
     (motion,) = Performer.load(tmp_path / "out").generate(PROMPT, SEGMENTS, seed=0, settings=QUICK)

@@ -16,7 +16,7 @@ from generator.data.dataset import MotionDataset
 from generator.models.segmo.config import TokenizerConfig
 from generator.models.segmo.objectives.tokenizer import channel_errors
 from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.performer import WEIGHTS_FOLDER
+from generator.registry import DEFAULT, WEIGHTS_FOLDER
 from ros_free_stack.formats.features import CHANNELS
 
 SEED, CLIPS = 98_765, 12
@@ -29,7 +29,7 @@ hardly weigh at all: nothing reads them, and those of the trunk vary so little t
 
 @pytest.fixture(scope="module")
 def errors() -> np.ndarray:
-    folder = WEIGHTS_FOLDER / "tokenizer"
+    folder = WEIGHTS_FOLDER / DEFAULT / "tokenizer"
     if not (folder / weights.WEIGHTS).is_file():
         pytest.skip(f"there are no trained weights at {folder}")
     saved = weights.load(folder, "tokenizer")

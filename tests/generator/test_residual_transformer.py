@@ -1,17 +1,14 @@
 """The residual transformer: what it may see, and what it learns."""
 
-from dataclasses import replace
-
 import pytest
 import torch
 from torch.nn import functional
 
 from generator.models.segmo.conditioning import Condition, stack_lengths
-from generator.models.segmo.config import SegmoSampling
+from generator.models.segmo.config import SegmoSampling, TransformerConfig
 from generator.models.segmo.residual_transformer import ResidualTransformer
-from generator.presets import PRESETS
 
-CONFIG = replace(PRESETS["small"].residual, width=32, layers=1, feed_forward=64, codes=8, quantizers=3, parts=2)
+CONFIG = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=8, quantizers=3, parts=2)
 
 
 def condition(*lengths: list[int]) -> Condition:

@@ -8,12 +8,12 @@ import pytest
 from generator.data import pose as poses
 from generator.data.actions import perform
 from generator.data.scene import Scene
-from generator.performer import WEIGHTS_FOLDER
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import Details
 from generator.probes.measures import Measures
 from generator.probes.named import told
 from generator.probes.signals import Signals
+from generator.registry import SHARED_WEIGHTS
 from generator.self_check import ABSENT, FLIGHT, SelfCheck
 from generator.text.encoder import TextEncoder
 from ros_free_stack.messages import HumanMotion, Segment
@@ -25,7 +25,7 @@ TURN: tuple[str, dict[str, Any]] = ("turn", {"angle": 90.0})
 
 @pytest.fixture(scope="module")
 def check() -> SelfCheck:
-    return SelfCheck.load(WEIGHTS_FOLDER, TextEncoder())
+    return SelfCheck.load(SHARED_WEIGHTS, TextEncoder())
 
 
 def motion(*told_of: tuple[str, tuple[str, dict[str, Any]]]) -> HumanMotion:

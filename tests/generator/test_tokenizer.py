@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from generator.config import FEATURES
+from generator.config import FEATURES, checked
 from generator.models.segmo.config import TokenizerConfig
-from generator.models.segmo.objectives.tokenizer import (
+from generator.models.segmo.objectives.reconstruction import (
     BONE_WEIGHT,
     ROOT,
     YAW,
@@ -19,10 +19,12 @@ from generator.models.segmo.objectives.tokenizer import (
 from generator.models.segmo.parts import part_channels, part_count
 from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.nn.quantizer import ResidualQuantizer
-from generator.presets import PRESETS
+from generator.registry import find_preset
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D, decode
 
-SMALL = replace(PRESETS["small"].tokenizer, width=16, encoder_width=8, code_width=8, codes=32)
+SMALL = TokenizerConfig(
+    "patch", 16, 8, 3, 2, codes=32, code_width=8, quantizers=3, quantizer_dropout=0.8, parts="limbs"
+)
 STRIDED = replace(SMALL, stem="strided", depth=2, dilation_growth=3, parts="whole")
 
 
@@ -37,9 +39,11 @@ def test_every_length_makes_whole_tokens(config: TokenizerConfig, frames: int) -
     assert tokenizer.decode(tokens[: part_count(config.parts)]).shape == (2, frames // 4 * 4, FEATURES)
 
 
-@pytest.mark.parametrize("name", PRESETS)
-def test_presets_have_the_shapes_of_their_sizes(name: str) -> None:
-    config = PRESETS[name].tokenizer
+@pytest.mark.parametrize("size", ["small", "published"])
+@pytest.mark.parametrize("name", ["segmo-layout", "segmo-published", "momask"])
+def test_presets_have_the_shapes_of_their_sizes(name: str, size: str) -> None:
+    _, preset = find_preset(name, size)
+    config = checked(TokenizerConfig, preset.stage("tokenizer")["model"], "tokenizer.model")
     with torch.device("meta"):
         tokenizer = MotionTokenizer(config)
     shapes = [

@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,39 +16,24 @@ import torch
 from generator import weights
 from generator.config import AlignmentKind
 from generator.data.dataset import Caption, MotionDataset
-from generator.models.segmo.config import ConditioningKind, TokenizerConfig, TransformerConfig
+from generator.models.segmo.config import ConditioningKind, MaskLosses, TokenizerConfig, TransformerConfig
 from generator.models.segmo.objectives.batches import BUCKET, TokenBatches, TokenCorpus, repetitions_of
 from generator.models.segmo.objectives.mask import MaskObjective
-from generator.models.segmo.objectives.tokenizer import TokenizerObjective
+from generator.models.segmo.objectives.tokenizer import from_job
 from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.nn.durations import DurationsConfig
-from generator.nn.evaluator import EvaluatorConfig
-from generator.presets import PRESETS, Preset
 from generator.text.meanwhile import clauses_at_once
 from generator.timing import uniform_lengths
 from generator.training import loop
 from generator.training.loop import Run, train
-from generator.training.stages import STAGES, Job, choose_device
+from generator.training.stages import choose_device
 from generator.training.text_cache import text_table
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights, UnknownName
 from tests.generator.tiny_dataset import write_tiny_dataset
+from tests.generator.tiny_models import STAGES, tiny_job
 
-_TRANSFORMER = TransformerConfig(32, 1, 4, 64, dropout=0.0, codes=32, quantizers=3, parts=5)
-_TRAINING = replace(PRESETS["small"].mask_training, batch=8, iterations=12, warm_up=2)
-TINY = Preset(
-    tokenizer=TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=3, parts="limbs"),
-    tokenizer_training=replace(_TRAINING, window=40, alignment="none", ema=0.0),
-    mask=_TRANSFORMER,
-    mask_training=_TRAINING,
-    residual=_TRANSFORMER,
-    residual_training=replace(_TRAINING, alignment="none"),
-    durations=DurationsConfig(16),
-    durations_training=replace(_TRAINING, alignment="none"),
-    evaluator=EvaluatorConfig(16, 1, 4, 8),
-    evaluator_training=replace(_TRAINING, alignment="none"),
-    grounding=replace(_TRANSFORMER, conditioning="segments", condition_dropout=1.0),
-    grounding_training=replace(_TRAINING, alignment="batch"),
-)
+_SETTINGS = tiny_job("mask", None, Path())  # type: ignore[arg-type]
+_TRANSFORMER, _TRAINING = _SETTINGS.model(TransformerConfig), _SETTINGS.training
+_TOKENIZER = replace(_SETTINGS, stage="tokenizer").model(TokenizerConfig)
 
 
 @pytest.fixture(scope="module", params=["off", "on"], autouse=True)
@@ -68,18 +53,16 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
 def trained(dataset: MotionDataset, bfloat16: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which all stages were trained, one after the other."""
     out = tmp_path_factory.mktemp(f"weights-bfloat16-{bfloat16}")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(PRESETS, "tiny", TINY)
-        for stage in STAGES:
-            torch.manual_seed(0)
-            assert Job(stage, dataset, "tiny", out, None, None, "cpu", 0, False).run()["finished"] == 1
-    return out
+    for stage in STAGES:
+        torch.manual_seed(0)
+        assert tiny_job(stage, dataset, out).run()["finished"] == 1
+    return out / "segmo"
 
 
 def tokenizer_run(dataset: MotionDataset, folder: Path, run: Run) -> dict[str, float]:
     torch.manual_seed(0)
-    objective = TokenizerObjective(dataset, TINY.tokenizer, TINY.tokenizer_training, seed=0)
-    return train(objective, TINY.tokenizer_training, folder, run)
+    job = tiny_job("tokenizer", dataset, folder)
+    return train(from_job(job), job.training, folder, run)
 
 
 def curve(folder: Path) -> list[dict[str, str]]:
@@ -88,14 +71,17 @@ def curve(folder: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("stage", STAGES)
-def test_every_stage_leaves_weights_config_and_curve(trained: Path, stage: str) -> None:
-    saved = weights.load(trained / stage, stage)
-    assert json.loads((trained / stage / "config.json").read_text())["version"] == weights.FORMAT_VERSION
-    assert saved.config == json.loads(json.dumps(vars(getattr(TINY, stage))))
-    rows = curve(trained / stage)
+def test_every_stage_leaves_weights_config_and_curve(dataset: MotionDataset, trained: Path, stage: str) -> None:
+    job = tiny_job(stage, dataset, trained.parent)
+    folder = job.folder(stage)
+    saved = weights.load(folder, stage)
+    assert json.loads((folder / "config.json").read_text())["version"] == weights.FORMAT_VERSION
+    assert job.preset.stage(stage)["model"].items() <= saved.config.items()
+    assert saved.facts["training"] == json.loads(json.dumps(asdict(job.training)))
+    rows = curve(folder)
     assert [row["iteration"] for row in rows] == [str(i) for i in range(1, 13)]
     assert rows[-1]["validation_loss"]
-    assert (trained / stage / "curve.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / "curve.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_matrices_are_saved_in_half_precision_and_vectors_are_not(trained: Path) -> None:
@@ -151,7 +137,7 @@ def test_a_signal_leaves_a_checkpoint(dataset: MotionDataset, tmp_path: Path) ->
 def test_minutes_end_a_run_too(dataset: MotionDataset, tmp_path: Path) -> None:
     result = tokenizer_run(dataset, tmp_path, Run(1_000_000, minutes=0.005))
     assert result["finished"] == 1
-    assert result["learning_rate"] < 0.2 * TINY.tokenizer_training.learning_rate
+    assert result["learning_rate"] < 0.2 * _TRAINING.learning_rate
     assert (tmp_path / weights.WEIGHTS).is_file()
 
 
@@ -208,12 +194,12 @@ def test_every_conditioning_and_alignment_can_be_trained(
 ) -> None:
     corpus = TokenCorpus.build(dataset, trained / "tokenizer", "cpu")
     config = replace(_TRANSFORMER, conditioning=conditioning)
-    training = replace(_TRAINING, alignment=alignment, segmentation="uniform")
+    losses = MaskLosses(alignment, segmentation="uniform")
     if conditioning == "sentence" and alignment not in ("none", "global"):
         with pytest.raises(InvalidOption, match="knows none or global, found"):
-            MaskObjective(corpus, config, training, seed=0)
+            MaskObjective(corpus, config, _TRAINING, losses, seed=0)
         return
-    objective = MaskObjective(corpus, config, training, seed=0)
+    objective = MaskObjective(corpus, config, _TRAINING, losses, seed=0)
     losses = objective.loss(0)
     assert ("alignment" in losses) == (alignment != "none")
     losses["loss"].backward()
@@ -225,19 +211,18 @@ def test_every_conditioning_and_alignment_can_be_trained(
 
 def test_tuning_begins_with_trained_weights(dataset: MotionDataset, tmp_path: Path) -> None:
     trained, tuned, other = tmp_path / "trained", tmp_path / "tuned", tmp_path / "other"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(PRESETS, "tiny", TINY)
-        assert Job("tokenizer", dataset, "tiny", trained, 60, None, "cpu", 0, False).run()["finished"]
-        assert Job("mask", dataset, "tiny", trained, 1, None, "cpu", 0, False).run()["finished"]
-        assert Job("tokenizer", dataset, "tiny", tuned, 1, None, "cpu", 0, False, tune=trained).run()["finished"]
-        assert float(curve(tuned / "tokenizer")[0]["loss"]) < 0.6 * float(curve(trained / "tokenizer")[0]["loss"])
-        assert Job("mask", dataset, "tiny", tuned, 1, None, "cpu", 0, False, tune=trained).run()["finished"]
-        for stage in ("tokenizer", "mask"):
-            before, after = (weights.load(folder / stage, stage) for folder in (trained, tuned))
-            assert after.facts["tuned_from"] == before.digest
-        assert Job("tokenizer", dataset, "tiny", other, 1, None, "cpu", 1, False).run()["finished"]
-        with pytest.raises(InvalidOption, match="was trained with another tokenizer"):
-            Job("mask", dataset, "tiny", other, 1, None, "cpu", 0, False, tune=trained).run()
+    own = "segmo/tokenizer"
+    assert tiny_job("tokenizer", dataset, trained, iterations=60).run()["finished"]
+    assert tiny_job("mask", dataset, trained, iterations=1).run()["finished"]
+    assert tiny_job("tokenizer", dataset, tuned, iterations=1, tune=trained).run()["finished"]
+    assert float(curve(tuned / own)[0]["loss"]) < 0.6 * float(curve(trained / own)[0]["loss"])
+    assert tiny_job("mask", dataset, tuned, iterations=1, tune=trained).run()["finished"]
+    for stage in ("tokenizer", "mask"):
+        before, after = (weights.load(folder / "segmo" / stage, stage) for folder in (trained, tuned))
+        assert after.facts["tuned_from"] == before.digest
+    assert tiny_job("tokenizer", dataset, other, iterations=1, seed=1).run()["finished"]
+    with pytest.raises(InvalidOption, match="was trained with another tokenizer"):
+        tiny_job("mask", dataset, other, iterations=1, tune=trained).run()
 
 
 def test_texts_are_embedded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -271,7 +256,7 @@ def test_damaged_weights_are_named(trained: Path, tmp_path: Path) -> None:
     for name in (weights.WEIGHTS, weights.CONFIG):
         (folder / name).write_bytes((trained / "tokenizer" / name).read_bytes())
     with pytest.raises(NoWeights, match="do not fit their configuration"):
-        weights.load(folder, "tokenizer").fill(MotionTokenizer(replace(TINY.tokenizer, width=16)))
+        weights.load(folder, "tokenizer").fill(MotionTokenizer(replace(_TOKENIZER, width=16)))
     (folder / weights.WEIGHTS).write_bytes(b"short")
     with pytest.raises(InvalidFile, match="not readable weights"):
         weights.load(folder, "tokenizer")

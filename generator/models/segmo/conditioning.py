@@ -49,9 +49,10 @@ class Condition:
     lengths: Tensor
 
     @classmethod
-    def of(cls, text: TextCondition) -> Self:
-        """What these models read of texts; segments last whole tokens."""
-        return cls(text.sentence, text.clauses, text.counts, text.frames // TOKEN_FRAMES)
+    def of(cls, text: TextCondition, *, clauses: bool) -> Self:
+        """What these models read of texts, in clauses or whole segments; segments last whole tokens."""
+        whole = torch.stack([text.segments, torch.zeros_like(text.segments)], dim=2)
+        return cls(text.sentence, text.clauses if clauses else whole, text.counts, text.frames // TOKEN_FRAMES)
 
     @property
     def segment_mask(self) -> Tensor:

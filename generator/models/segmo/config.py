@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from typing import Literal, Self
 
-from generator.config import MAX_FRAMES, MIN_FRAMES
+from generator.config import MAX_FRAMES, MIN_FRAMES, AlignmentKind, SegmentationKind
 from generator.model import Sampling
+from ros_free_stack.errors import InvalidOption
 from ros_free_stack.skeleton import FPS
 
 TOKEN_FRAMES = 4
@@ -57,6 +58,8 @@ class TransformerConfig:
         condition_dropout: probability of training without text, for classifier-free guidance.
         sentence_dropout: probability of training without the sentence but with its segments, so that the model
             relies on what each segment says rather than on whole sentences it has seen.
+        clauses: read what a segment says happens at the same time as a sentence of its own; otherwise each segment text
+            is read whole (SegMo).
     """
 
     width: int
@@ -71,6 +74,44 @@ class TransformerConfig:
     layout: Literal["exact", "uniform"] = "exact"
     condition_dropout: float = 0.1
     sentence_dropout: float = 0.2
+    clauses: bool = True
+
+    def __post_init__(self) -> None:
+        if self.width % self.heads:
+            raise InvalidOption("model.width", f"must be a multiple of {self.heads} heads, found {self.width}")
+
+
+@dataclass(frozen=True)
+class TokenizerLosses:
+    """What the tokenizer is trained for.
+
+    Attributes:
+        losses: "published" is MoMask's: smooth L1 of all features, half as much again of the joint positions, and the
+            commitment; "weighted" see `generator.models.segmo.objectives.reconstruction`.
+        window: frames of a training window.
+    """
+
+    losses: Literal["published", "weighted"] = "weighted"
+    window: int = 64
+
+
+@dataclass(frozen=True)
+class MaskLosses:
+    """What the mask transformer is trained for beside its masked tokens.
+
+    Attributes:
+        alignment: which parts of text and motion the alignment loss pairs, see `generator.models.segmo.alignment`;
+            "segment" is SegMo's.
+        alignment_weight: weight of that loss (SegMo, equation 9).
+        segmentation: where the alignment takes the motion segments from, see `generator.models.segmo.segmentation`;
+            "uniform" is SegMo's.
+        start: embeddings of codes begin "random" or as projections of the "codes" themselves.
+    """
+
+    alignment: AlignmentKind = "none"
+    alignment_weight: float = 1.0
+    segmentation: SegmentationKind = "exact"
+    start: Literal["codes", "random"] = "codes"
 
 
 @dataclass(frozen=True)

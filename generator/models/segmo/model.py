@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from generator import weights
-from generator.config import MAX_FRAMES, MIN_FRAMES
+from generator.config import MAX_FRAMES, MIN_FRAMES, from_json
 from generator.model import FeatureSpec, Known, Sample, Sampling, TextCondition
 from generator.models.segmo.conditioning import Condition
 from generator.models.segmo.config import TOKEN_FRAMES, SegmoSampling, TokenizerConfig, TransformerConfig
@@ -41,7 +41,7 @@ class SegMo:
         self, text: TextCondition, *, known: Known | None, sampling: Sampling, noise: torch.Generator
     ) -> list[Sample]:
         """See `MotionModel.sample`; a sample's latent is its tokens (Q' P, n) of Q' layers of P parts."""
-        condition, settings = Condition.of(text), self.settings.told(sampling)
+        condition, settings = Condition.of(text, clauses=self.mask.config.clauses), self.settings.told(sampling)
         given = None if known is None else self._tokens(known, condition)
         base = None if given is None else given[: self.mask.config.parts]
         tokens = self.residual.generate(
@@ -69,7 +69,7 @@ class SegMo:
             if saved[name].facts.get("tokenizer") != saved["tokenizer"].digest:
                 raise NoWeights(
                     f"{folder / name}: was trained with another tokenizer than the one in {folder}; "
-                    f"train it again with `python launch.py train {name} --dataset DATASET --out {folder}`"
+                    f"train it again with `python launch.py train {name} --dataset DATASET --out {folder.parent}`"
                 )
 
         def fill(name: str, model: Model) -> Model:
@@ -80,7 +80,8 @@ class SegMo:
             fill("tokenizer", MotionTokenizer(saved["tokenizer"].config_as(TokenizerConfig))),
             fill("mask", MaskTransformer(saved["mask"].config_as(TransformerConfig))),
             fill("residual", ResidualTransformer(saved["residual"].config_as(TransformerConfig))),
-            f"generator {saved['mask'].digest[:8]}",
+            f"{folder.name} {saved['mask'].digest[:8]}",
+            from_json(SegmoSampling, saved["mask"].facts.get("sampling", {})),
         )
 
     def _tokens(self, known: Known, condition: Condition) -> Tensor:

@@ -85,8 +85,11 @@ class TokenCorpus:
     tokenizer: str
 
     @classmethod
-    def build(cls, dataset: MotionDataset, tokenizer_folder: Path, device: str) -> Self:
+    def build(cls, dataset: MotionDataset, tokenizer_folder: Path, device: str, *, clauses: bool = True) -> Self:
         """Tokenise all clips with a trained tokenizer and embed all their texts.
+
+        Args:
+            clauses: take segment texts apart into what they say happens at the same time; otherwise whole.
 
         Raises:
             NoWeights: the tokenizer is not trained yet.
@@ -99,8 +102,10 @@ class TokenCorpus:
         place = {clip.id: number for number, clip in enumerate(dataset.clips)}
         captions = [caption for clip in dataset.clips for caption in clip.captions]
         sentences = text_table(dataset.path, (caption.text for caption in captions))
-        pairs = {text: clauses_at_once(text) for caption in captions for text in caption.segments}
-        clauses = text_table(dataset.path, (clause for pair in pairs.values() for clause in pair if clause))
+        pairs = {
+            text: clauses_at_once(text) if clauses else (text, "") for caption in captions for text in caption.segments
+        }
+        table = text_table(dataset.path, (clause for pair in pairs.values() for clause in pair if clause))
 
         def clips(split: str) -> tuple[TokenClip, ...]:
             chosen = dataset.split(split)
@@ -113,7 +118,7 @@ class TokenCorpus:
                     codes,
                     chance,
                     sentences.rows(caption.text for caption in clip.captions),
-                    np.stack([[clauses.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
+                    np.stack([[table.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
                     *repetitions_of(clip),
                 )
                 for clip, codes, chance in zip(chosen, tokens, chances.tolist(), strict=True)
@@ -125,7 +130,7 @@ class TokenCorpus:
             clips("val"),
             clips("test"),
             sentences,
-            clauses,
+            table,
             tokenizer.codebooks.cpu(),
             saved.digest,
         )

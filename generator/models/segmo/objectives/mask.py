@@ -7,14 +7,35 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import Training
-from generator.models.segmo.config import TransformerConfig
+from generator.config import Training, checked
+from generator.models.segmo.config import MaskLosses, SegmoSampling, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer, mask_tokens
 from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
+from generator.training.stages import StageJob
 from ros_free_stack.errors import InvalidOption
 
 VALIDATION_CLIPS = 512
 VALIDATION_SEED = 20
+
+
+def from_job(job: StageJob) -> "MaskObjective":
+    """The objective of a stage of training: of the mask transformer, or of another one that is built like it."""
+    config = job.model(TransformerConfig)
+    corpus = TokenCorpus.build(job.dataset, job.folder("tokenizer"), job.device, clauses=config.clauses)
+    objective = MaskObjective(corpus, config, job.training, job.objective(MaskLosses), job.seed, job.stage)
+    objective.facts["sampling"] = asdict(checked(SegmoSampling, job.preset.sampling, "sampling"))
+    return objective
+
+
+def check_tokens(corpus: TokenCorpus, config: TransformerConfig) -> None:
+    """InvalidOption unless the model speaks the tokenizer's tokens."""
+    layers, parts, codes, _ = corpus.codebooks.shape
+    if (config.quantizers, config.parts, config.codes) != (layers, parts, codes):
+        raise InvalidOption(
+            "model",
+            f"is for {config.quantizers} quantizers of {config.codes} codes in {config.parts} parts, the tokenizer "
+            f"has {layers} of {codes} in {parts}; train both with the same preset and size",
+        )
 
 
 class MaskObjective:
@@ -25,20 +46,28 @@ class MaskObjective:
     """
 
     def __init__(
-        self, corpus: TokenCorpus, config: TransformerConfig, training: Training, seed: int, name: str = "mask"
+        self,
+        corpus: TokenCorpus,
+        config: TransformerConfig,
+        training: Training,
+        losses: MaskLosses,
+        seed: int,
+        name: str = "mask",
     ) -> None:
-        if config.conditioning == "sentence" and training.alignment not in ("none", "global"):
+        if config.conditioning == "sentence" and losses.alignment not in ("none", "global"):
             raise InvalidOption(
-                "alignment", f"a model that reads the sentence alone knows none or global, found {training.alignment}"
+                "alignment", f"a model that reads the sentence alone knows none or global, found {losses.alignment}"
             )
+        check_tokens(corpus, config)
         self.name, self.config = name, config
-        self.facts = {**corpus.facts(), "training": asdict(training)}
+        self.facts = {**corpus.facts(), "training": asdict(training), "objective": asdict(losses)}
         self.model: Any = MaskTransformer(config)
-        self.model.start_from(corpus.codebooks[0])
+        if losses.start == "codes":
+            self.model.start_from(corpus.codebooks[0])
         self.model.conditioning.fit(*corpus.training_texts())
-        self._training = training
+        self._objective = losses
         self._batches = TokenBatches(
-            corpus, batch=training.batch, layout=config.layout, segmentation=training.segmentation, seed=seed
+            corpus, batch=training.batch, layout=config.layout, segmentation=losses.segmentation, seed=seed
         )
         self._held = self._batches.held(VALIDATION_CLIPS)
 
@@ -72,15 +101,15 @@ class MaskObjective:
         logits, target = output.logits[chosen].float(), tokens[chosen]
         mask_loss = functional.cross_entropy(logits, target)
         losses = {"loss": mask_loss, "mask": mask_loss, "accuracy": (logits.argmax(-1) == target).float().mean()}
-        if self._training.alignment != "none":
+        if self._objective.alignment != "none":
             losses["alignment"] = model.alignment.loss(
-                self._training.alignment,
+                self._objective.alignment,
                 output.hidden,
                 output.sentence,
                 output.segments,
                 batch.motion_segments.to(device),
             )
-            losses["loss"] = mask_loss + self._training.alignment_weight * losses["alignment"]
+            losses["loss"] = mask_loss + self._objective.alignment_weight * losses["alignment"]
         return losses
 
 

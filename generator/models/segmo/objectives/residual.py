@@ -10,8 +10,16 @@ from torch.nn import functional
 from generator.config import Training
 from generator.models.segmo.config import TransformerConfig
 from generator.models.segmo.objectives.batches import TokenBatch, TokenBatches, TokenCorpus
-from generator.models.segmo.objectives.mask import VALIDATION_CLIPS, dropped_conditions
+from generator.models.segmo.objectives.mask import VALIDATION_CLIPS, check_tokens, dropped_conditions
 from generator.models.segmo.residual_transformer import ResidualTransformer
+from generator.training.stages import StageJob
+
+
+def from_job(job: StageJob) -> "ResidualObjective":
+    """The objective of a stage of training."""
+    config = job.model(TransformerConfig)
+    corpus = TokenCorpus.build(job.dataset, job.folder("tokenizer"), job.device, clauses=config.clauses)
+    return ResidualObjective(corpus, config, job.training, job.seed)
 
 
 class ResidualObjective:
@@ -20,6 +28,7 @@ class ResidualObjective:
     name = "residual"
 
     def __init__(self, corpus: TokenCorpus, config: TransformerConfig, training: Training, seed: int) -> None:
+        check_tokens(corpus, config)
         self.config, self.facts = config, {**corpus.facts(), "training": asdict(training)}
         self.model: Any = ResidualTransformer(config)
         self.model.conditioning.fit(*corpus.training_texts())

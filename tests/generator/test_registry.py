@@ -1,0 +1,51 @@
+"""The generators: what they name exists, and every stage of every preset can be built."""
+
+from typing import get_args
+
+import pytest
+import torch
+
+from generator.config import Training, checked
+from generator.models.segmo.config import SegmoSampling
+from generator.registry import GENERATORS, WEIGHTS_FOLDER, find_preset, generator, resolved, stages
+from generator.settings import FOLDER, SHARED_FILE, Size
+from ros_free_stack.errors import NoWeights, UnknownName
+
+
+@pytest.mark.parametrize("name", GENERATORS)
+def test_what_a_generator_names_can_be_loaded(name: str) -> None:
+    item = generator(name)
+    assert callable(resolved(item.model).load)
+    for stage in stages(item):
+        assert callable(resolved(stage.objective))
+        if stage.finish:
+            assert callable(resolved(stage.finish))
+
+
+def test_every_preset_has_all_stages_of_its_generator_in_both_sizes() -> None:
+    named = {preset for item in GENERATORS.values() for preset in item.presets}
+    assert named == {path.stem for path in FOLDER.glob("*.yaml") if path.name != SHARED_FILE}
+    for name in named:
+        for size in get_args(Size):
+            item, preset = find_preset(name, size)
+            assert set(preset.stages) == {stage.name for stage in stages(item)}
+            for stage in preset.stages:
+                checked(Training, preset.stage(stage)["training"], stage)
+            checked(SegmoSampling, preset.sampling, "sampling")
+
+
+def test_the_generator_that_comes_with_the_program_loads() -> None:
+    model = generator("segmo").load(WEIGHTS_FOLDER, "cpu")
+    assert model.name.startswith("segmo ")
+    assert (model.spec.width, model.spec.fps, model.spec.token_frames) == (263, 20.0, 4)
+    through = model.reconstruct(torch.zeros(40, 263))
+    assert through is not None and through.shape == (40, 263)
+
+
+def test_unknown_and_untrained_generators_are_named() -> None:
+    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, segmo"):
+        generator("mdm")
+    with pytest.raises(UnknownName, match="unknown preset 'full'; valid: momask, segmo-layout, segmo-published"):
+        find_preset("full")
+    with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
+        generator("momask").load(WEIGHTS_FOLDER, "cpu")
