@@ -19,13 +19,13 @@ import tyro
 
 from generator import weights
 from generator.config import AlignmentKind, SegmentationKind, Training
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.grounding.consistency import consistency, paired_segments
 from generator.models.segmo.config import TOKEN_S, ConditioningKind, MaskLosses, TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
 from generator.models.segmo.objectives.mask import MaskObjective
-from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.objectives.segmentation_table import first_captions, segmentation_table
 from generator.models.segmo.parts import part_count
 from generator.models.segmo.segmentation import boundary_errors, boundary_iou
 from generator.registry import DEFAULT, SHARED
@@ -172,12 +172,12 @@ class Ablation:
         return found
 
 
-def segmentation_rows(dataset: MotionDataset) -> list[tuple[str, float, float, float]]:
+def segmentation_rows(dataset: AuthoredCorpus) -> list[tuple[str, float, float, float]]:
     """Name, mean IoU with the true segments, mean and variance of boundary errors in s, on clips of two or more."""
     chosen = np.array([clip.split == "test" and len(clip.segments) > 1 for clip in dataset.clips])
-    true, rows = segmentation_table(dataset, "exact")[chosen], []
+    true, rows = first_captions(dataset, segmentation_table(dataset, "exact"))[chosen], []
     for kind in SEGMENTATIONS:
-        found = segmentation_table(dataset, kind)[chosen]
+        found = first_captions(dataset, segmentation_table(dataset, kind))[chosen]
         errors = boundary_errors(found, true) * TOKEN_S
         rows.append((kind, boundary_iou(found, true)[true > 0].mean(), errors.mean(), errors.var()))
     return rows
@@ -218,7 +218,7 @@ def run(arguments: Arguments) -> dict[str, dict[str, Any]]:
     finished = {name: arguments.out / name / RESULT for name in arguments.rows}
     missing = [name for name, path in finished.items() if not path.is_file()]
     if missing:
-        dataset = MotionDataset.open(arguments.dataset)
+        dataset = AuthoredCorpus.open(arguments.dataset)
         saved = weights.load(arguments.weights / DEFAULT / "tokenizer", "tokenizer")
         corpus = TokenCorpus.build(dataset, arguments.weights / DEFAULT / "tokenizer", arguments.device)
         ablation = Ablation(arguments, corpus, saved.config_as(TokenizerConfig))
@@ -231,7 +231,7 @@ def main(arguments: Arguments) -> None:
     """Train and print."""
     torch.set_num_threads(arguments.threads)
     try:
-        show(run(arguments), segmentation_rows(MotionDataset.open(arguments.dataset)))
+        show(run(arguments), segmentation_rows(AuthoredCorpus.open(arguments.dataset)))
     except StackError as error:
         raise SystemExit(f"error: {error}") from None
 

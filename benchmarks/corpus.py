@@ -21,9 +21,9 @@ from generator.data import body
 from generator.data import pose as poses
 from generator.data.actions import perform
 from generator.data.captions import segment_text
-from generator.data.dataset import MotionDataset
 from generator.data.scene import Scene
 from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry
+from generator.datasets.authored import AuthoredCorpus
 from generator.evaluation.metrics import frechet_distance
 from ros_free_stack.coherence import leg_length, spatial_coherence, temporal_coherence
 from ros_free_stack.console import progress
@@ -125,7 +125,7 @@ def captured(folder: Path) -> tuple[list[Floats], list[Floats]]:
     return halves
 
 
-def clips_of(dataset: MotionDataset, source: str, count: int) -> list[Floats]:
+def clips_of(dataset: AuthoredCorpus, source: str, count: int) -> list[Floats]:
     """Features (T, 263) of up to `count` clips of a source, evenly over the data set."""
     clips = [clip for clip in dataset.clips if clip.source == source]
     chosen = np.unique(np.linspace(0, len(clips) - 1, min(count, len(clips))).round().astype(int))
@@ -332,7 +332,7 @@ def _measured(arguments: Arguments) -> dict[str, Quality]:
     reference, rest = captured(arguments.cmu) if arguments.cmu else ([], [])
     rows: dict[str, Quality] = {}
     if arguments.dataset:
-        dataset = MotionDataset.open(arguments.dataset)
+        dataset = AuthoredCorpus.open(arguments.dataset)
         for source in progress([s for s in SOURCES if dataset.manifest["sources"].get(s)], "sources"):
             rows[source] = measure(clips_of(dataset, source, arguments.clips), reference)
     if rest:

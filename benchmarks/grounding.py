@@ -16,13 +16,14 @@ import torch
 import tyro
 from torch import Tensor
 
-from generator.data.dataset import Clip, LabelledSegment, MotionDataset
+from generator.datasets.authored import AuthoredCorpus
+from generator.datasets.dataset import Clip, LabelledSegment
 from generator.grounding.consistency import consistency, recall
 from generator.grounding.search import ground
 from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.models.segmo.config import TOKEN_S
-from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.objectives.segmentation_table import first_captions, segmentation_table
 from generator.models.segmo.segmentation import boundary_iou
 from generator.registry import DEFAULT, WEIGHTS_FOLDER
 from generator.text.encoder import TextEncoder
@@ -56,9 +57,9 @@ class Embedded:
     lengths: np.ndarray
 
 
-def embed(dataset: MotionDataset, space: AlignedSpace, count: int) -> list[Embedded]:
+def embed(dataset: AuthoredCorpus, space: AlignedSpace, count: int) -> list[Embedded]:
     """The first test clips, each with its first caption."""
-    lengths, found = segmentation_table(dataset, "exact"), []
+    lengths, found = first_captions(dataset, segmentation_table(dataset, "exact")), []
     chosen = [i for i, clip in enumerate(dataset.clips) if clip.split == "test"][:count]
     every = [text for number in chosen for text in dataset.clips[number].captions[0].segments]
     embeddings = iter(space.texts(TextEncoder(), every).split(1))
@@ -115,7 +116,7 @@ def grounding_iou(space: AlignedSpace, embedded: list[Embedded]) -> tuple[np.nda
 def main(arguments: Arguments) -> None:
     """Print the table."""
     torch.set_num_threads(arguments.threads)
-    dataset, space = MotionDataset.open(arguments.dataset), AlignedSpace.load(arguments.weights / DEFAULT)
+    dataset, space = AuthoredCorpus.open(arguments.dataset), AlignedSpace.load(arguments.weights / DEFAULT)
     known = KnownTexts.load(arguments.weights / DEFAULT / "grounding")
     embedded = embed(dataset, space, arguments.clips)
     texts, motions = (torch.cat([getattr(item, name) for item in embedded]) for name in ("texts", "segments"))

@@ -173,10 +173,10 @@ def _values(checks: Iterable[Check]) -> dict[str, float]:
 def motions(arguments: Arguments) -> Iterator[tuple[str, str, HumanMotion]]:
     """Class, name and motion."""
     if arguments.dataset:
-        from generator.data.dataset import MotionDataset
+        from generator.datasets.authored import AuthoredCorpus
         from ros_free_stack.formats.features import decode
 
-        dataset = MotionDataset.open(arguments.dataset)
+        dataset = AuthoredCorpus.open(arguments.dataset)
         clips = [clip for split in ("test", "val") for clip in dataset.split(split)]
         single = [c for c in clips if c.source == "authored" and len(c.segments) == len(c.segments[0].actions) == 1]
         for kind, names in CLASSES.items():

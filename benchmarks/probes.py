@@ -19,8 +19,9 @@ import tyro
 from generator.data.actions import ACTIONS
 from generator.data.build import pair_split
 from generator.data.captions import segment_text, together
-from generator.data.dataset import Clip, MotionDataset
 from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
+from generator.datasets.authored import AuthoredCorpus
+from generator.datasets.dataset import Clip
 from generator.performer import Performer, PerformerSettings
 from generator.probes.checks import MotionChecks, Wanted, check_motion, probe
 from generator.probes.named import named
@@ -209,7 +210,7 @@ def _check(motion: HumanMotion, wanted: tuple[Named, ...]) -> MotionChecks:
 
 def probe_real(dataset: Path, limit: int) -> Tally:
     """Probe authored clips of the test split, with what their first caption names."""
-    corpus, tally = MotionDataset.open(dataset), Tally()
+    corpus, tally = AuthoredCorpus.open(dataset), Tally()
     clips = tuple(_usable(corpus.split("test")))
     chosen = np.random.default_rng(0).permutation(len(clips))[:limit]
     for index in progress(chosen, "probing real motion", total=len(chosen)):

@@ -70,10 +70,10 @@ class Body:
 def motions(arguments: Arguments) -> Iterator[tuple[str, HumanMotion]]:
     """Name and motion, authored ones first."""
     if arguments.dataset:
-        from generator.data.dataset import MotionDataset
+        from generator.datasets.authored import AuthoredCorpus
         from ros_free_stack.formats.features import decode
 
-        dataset = MotionDataset.open(arguments.dataset)
+        dataset = AuthoredCorpus.open(arguments.dataset)
         authored = (clip for clip in dataset.split("test") if clip.source == "authored")
         for clip in islice(authored, 0, 2 * arguments.clips, 2):  # neighbours are a motion and its mirror image
             name = ", then ".join(segment.text for segment in clip.segments)

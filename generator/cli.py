@@ -55,14 +55,14 @@ class Train(Command):
     def run(self) -> int:
         import torch
 
-        from generator.data.dataset import MotionDataset
+        from generator.datasets.open_dataset import open_dataset
         from generator.training.domain import fit_domain
         from generator.training.stages import StageJob, choose_device
 
         generator, preset = find_preset(self.preset, self.size)
         preset = preset.changed(self.set)
         torch.set_num_threads(self.threads)
-        dataset, device = MotionDataset.open(self.dataset), choose_device(self.device)
+        dataset, device = open_dataset(self.dataset), choose_device(self.device)
         names = (*(stage.name for stage in stages(generator)), DOMAIN_STAGE)
         results: dict[str, dict[str, float]] = {}
         folders: dict[str, Path] = {}

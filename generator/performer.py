@@ -12,6 +12,7 @@ from torch import Tensor
 
 from generator import weights
 from generator.continuation import concatenated
+from generator.datasets.layout import HUMAN
 from generator.model import Known, MotionModel, Sampling, TextCondition
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.postprocess.context import CONTEXT_FRAMES, CONTEXT_S, Context
@@ -88,8 +89,15 @@ class Performer:
             UnknownName: there is no such generator.
             NoWeights: a model is not trained; the message says what to do.
             InvalidFile: the known texts are damaged.
+            InvalidOption: the model was trained on another skeleton than that of human motion.
         """
         model = registered(generator).load(folder, device)
+        if (model.spec.width, model.spec.fps) != (HUMAN.width, HUMAN.fps):
+            raise InvalidOption(
+                "generator",
+                f"{model.name} makes {model.spec.width} features at {model.spec.fps:g} frames a second; human motion "
+                f"has {HUMAN.width} at {HUMAN.fps:g}",
+            )
         shared = folder / SHARED
         saved = weights.load(shared / "durations", "durations")
         durations = DurationModel(saved.config_as(DurationsConfig))

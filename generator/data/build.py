@@ -22,9 +22,10 @@ import numpy as np
 from generator.data.atoms import Atom, mirror_params
 from generator.data.cmu_atoms import load_atoms
 from generator.data.compose import ComposedClip, compose_clip, plain
-from generator.data.dataset import VERSION, Caption, Clip, clip_to_json
 from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
+from generator.datasets.authored import VERSION, clip_to_json
+from generator.datasets.dataset import Caption, Clip
 from ros_free_stack.console import progress, say
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import make_folder, write_json

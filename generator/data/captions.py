@@ -6,12 +6,12 @@ the third person of what that caption said.
 """
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
 from generator.data.vocabulary import Phrase, Voice
 from generator.data.vocabulary.english import number, tidy
+from generator.datasets.dataset import Caption
 
 _SUBJECTS = (
     ("a person", "he", ("the", "their", "his"), 0.42),
@@ -35,14 +35,6 @@ _TIMES = re.compile(r"\b(two|\d+) times\b")
 _POSSESSIVE = re.compile(r"\b(?:their|his|her|its)\b")
 _DETERMINED = re.compile(rf"\b(both|all|the) {_POSSESSIVE.pattern}")
 _LINKS = (" then ", ", then ", " and then ", ", and then ", " and ", ", ")
-
-
-@dataclass(frozen=True)
-class Caption:
-    """One sentence for a clip, with the texts of the clip's segments as this sentence words them."""
-
-    text: str
-    segments: tuple[str, ...]
 
 
 def draw_voice(rng: np.random.Generator) -> Voice:

@@ -44,11 +44,11 @@ class DataShow(Command):
     """PNG to write."""
 
     def run(self) -> int:
-        from generator.data.dataset import MotionDataset
         from generator.data.draw import draw_motion
+        from generator.datasets.authored import AuthoredCorpus
         from ros_free_stack.formats.features import decode
 
-        data = MotionDataset.open(self.dataset)
+        data = AuthoredCorpus.open(self.dataset)
         clip = data.clip(self.clip)
         draw_motion(decode(data.features(clip)), self.out, clip.captions[0].text)
         captions = [caption.text for caption in clip.captions]

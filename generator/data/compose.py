@@ -14,12 +14,13 @@ from generator.config import MAX_FRAMES, MIN_FRAMES
 from generator.data import pose as poses
 from generator.data.actions import ACTIONS, perform
 from generator.data.atoms import Atom
-from generator.data.captions import Caption, compose_caption, draw_voice, together
+from generator.data.captions import compose_caption, draw_voice, together
 from generator.data.joins import flat_speed, join, layer, length, warp
 from generator.data.plan import SEGMENT_SHARES, Part, draw_plan
 from generator.data.pose import ARM_CHANNELS, Pose
 from generator.data.scene import Scene
-from generator.data.vocabulary import STILL, VOCABULARY, Params, Phrase, Voice, entry, parts
+from generator.data.vocabulary import STILL, VOCABULARY, Phrase, Voice, entry, parts
+from generator.datasets.dataset import Caption, LabelledSegment
 from ros_free_stack.skeleton import FPS
 
 MAX_JOINT_SPEED: Final = 14.0  # m/s
@@ -28,25 +29,6 @@ _REAL_CLIPS = 0.32
 _ATTEMPTS = 200
 _STANDING_ENDS = 0.85  # how often a clip that would begin or end in mid-stride starts from, or stops in, standing
 _MID_STRIDE = 0.25  # m/s
-
-
-@dataclass(frozen=True)
-class LabelledSegment:
-    """One segment of a clip.
-
-    Attributes:
-        text: "a person " and the third person of what is done.
-        start, end: frames; the segments of a clip tile it.
-        arms, legs: what these parts do.
-        actions: names and parameters of the one or two deeds.
-    """
-
-    text: str
-    start: int
-    end: int
-    arms: str
-    legs: str
-    actions: tuple[tuple[str, Params], ...]
 
 
 @dataclass(frozen=True)

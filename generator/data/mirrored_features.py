@@ -1,11 +1,12 @@
 """Reflection of a motion's features left to right, without the trip to joints and back."""
 
+from functools import cache
 from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ros_free_stack.formats.features import CHANNELS
+from ros_free_stack.formats.features import HUMANML3D, Skeleton
 
 Real = TypeVar("Real", bound=np.floating)
 
@@ -14,17 +15,26 @@ _NEGATED: Final = ("yaw_velocity", "_left", "left_velocity", "rotation_1", "rota
 elements that couple the left axis with another one."""
 
 
-def mirror_features(features: NDArray[Real]) -> NDArray[Real]:
-    """Features (T, 263) of the reflected motion, in the same type."""
-    return (features[:, _SOURCE] * _SIGN).astype(features.dtype)
+def mirror_features(features: NDArray[Real], skeleton: Skeleton = HUMANML3D) -> NDArray[Real]:
+    """Features (T, F) of the reflected motion, in the same type."""
+    source, sign = _reflection(skeleton)
+    return (features[:, source] * sign).astype(features.dtype)
 
 
-def _opposite(channel: str) -> str:
+@cache
+def _reflection(skeleton: Skeleton) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """(F,) channel that each channel comes from, and its sign."""
+    channels = skeleton.channels
+    source = np.array([channels.index(_opposite(channel, skeleton)) for channel in channels])
+    return source, np.array([-1 if channel.endswith(_NEGATED) else 1 for channel in channels], np.float32)
+
+
+def _opposite(channel: str, skeleton: Skeleton) -> str:
+    """The same channel of the other side's joint: left_knee and right_knee, or in KIT-ML LK and RK."""
     for side, other in (("left_", "right_"), ("right_", "left_")):
         if channel.startswith(side):
             return other + channel.removeprefix(side)
+    for side, other in (("L", "R"), ("R", "L")):
+        if channel.startswith(side) and other + channel.partition("_")[0][1:] in skeleton.joints:
+            return other + channel[1:]
     return channel
-
-
-_SOURCE: Final = np.array([CHANNELS.index(_opposite(channel)) for channel in CHANNELS])
-_SIGN: Final = np.array([-1 if channel.endswith(_NEGATED) else 1 for channel in CHANNELS], np.float32)

@@ -1,6 +1,6 @@
 """The subcommand `evaluate`."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -132,7 +132,8 @@ class Evaluate(Command):
 
     def _material(self, evaluator: Path, device: str, *, split_texts: bool) -> "tuple[Sequence[Pair], Embedder]":
         """What is measured, and the space it is measured in."""
-        from generator.data.dataset import MotionDataset
+        from generator.datasets.open_dataset import open_dataset
+        from generator.datasets.published import PublishedMotions
         from generator.evaluation.embedder import CorpusEmbedder
         from generator.evaluation.official import OfficialEmbedder, OfficialFiles
         from generator.evaluation.pairs import corpus_pairs
@@ -141,13 +142,12 @@ class Evaluate(Command):
         if self.official is None:
             assert self.dataset is not None
             embedder = CorpusEmbedder.load(self.evaluator or evaluator, device)
-            dataset = MotionDataset.open(self.dataset)
+            dataset = open_dataset(self.dataset)
             return corpus_pairs(dataset, self.split, clips=self.clips, seed=self.seed), embedder
         files = OfficialFiles.find(self.official)
         embedder = OfficialEmbedder(files, device)
-        segments = _sentence_splitter() if split_texts else None
-        pairs = published_pairs(files.dataset, self.split, clips=self.clips, seed=self.seed, segments=segments)
-        return pairs, embedder
+        data = PublishedMotions.open(files.dataset, split=self.split, segments=split_texts)
+        return published_pairs(data, self.split, clips=self.clips, seed=self.seed), embedder
 
 
 def _suffix(folder: Path, folders: Sequence[Path]) -> str:
@@ -156,19 +156,3 @@ def _suffix(folder: Path, folders: Sequence[Path]) -> str:
         return ""
     unique = len({other.name for other in folders}) == len(folders)
     return f", {folder.name if unique else folder}"
-
-
-def _sentence_splitter() -> Callable[[str], tuple[str, ...]]:
-    """A sentence to its segments; one that the splitter refuses is its own and only segment."""
-    from generator.text.splitter import Splitter
-    from ros_free_stack.errors import InvalidPrompt
-
-    splitter = Splitter()
-
-    def split(text: str) -> tuple[str, ...]:
-        try:
-            return splitter.split(text)
-        except InvalidPrompt:
-            return (text,)
-
-    return split

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from generator.config import MAX_FRAMES
-from generator.data.dataset import MotionDataset
+from generator.datasets.dataset import MotionDataset
 from generator.evaluation.metrics import POOL
 from ros_free_stack.errors import InvalidOption
 

@@ -8,7 +8,7 @@ from typing import Final, Self
 
 from torch import Tensor
 
-from generator.data.dataset import MotionDataset
+from generator.datasets.dataset import MotionDataset
 from generator.grounding.space import AlignedSpace
 from generator.text.encoder import TextEncoder
 from generator.training.stages import StageJob

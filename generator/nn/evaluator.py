@@ -32,6 +32,7 @@ class EvaluatorConfig:
         embedding: width of the space that both sides share.
         words: longest text that is read, in word pieces.
         dropout: of what the transformers read.
+        features: width of the features.
     """
 
     width: int
@@ -40,6 +41,7 @@ class EvaluatorConfig:
     embedding: int
     words: int = 80
     dropout: float = 0.1
+    features: int = FEATURES
 
 
 class MotionTextEvaluator(nn.Module):
@@ -56,9 +58,9 @@ class MotionTextEvaluator(nn.Module):
     def __init__(self, config: EvaluatorConfig, mean: Tensor | None = None, std: Tensor | None = None) -> None:
         super().__init__()
         self.config = config
-        self.register_buffer("mean", torch.zeros(FEATURES) if mean is None else mean.float())
-        self.register_buffer("std", torch.ones(FEATURES) if std is None else std.float().clamp_min(MIN_STD))
-        self.motion = SequenceEncoder((FEATURES - CONTACTS) * STRIDE, MAX_FRAMES // STRIDE, config)
+        self.register_buffer("mean", torch.zeros(config.features) if mean is None else mean.float())
+        self.register_buffer("std", torch.ones(config.features) if std is None else std.float().clamp_min(MIN_STD))
+        self.motion = SequenceEncoder((config.features - CONTACTS) * STRIDE, MAX_FRAMES // STRIDE, config)
         self.text = SequenceEncoder(TEXT_WIDTH, config.words, config)
 
     def motion_embeddings(self, features: Sequence[Tensor]) -> Tensor:

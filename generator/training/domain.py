@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from generator.data.dataset import MotionDataset
+from generator.datasets.dataset import MotionDataset
 from generator.text.domain import Domain, deeds
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN

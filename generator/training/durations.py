@@ -8,13 +8,12 @@ import torch
 from torch import Tensor, nn
 
 from generator.config import Training
-from generator.data.dataset import Clip, MotionDataset
+from generator.datasets.dataset import Clip, MotionDataset
+from generator.datasets.text_cache import TextTable, text_table
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.text.counts import segment_counts
-from generator.timing import segment_lengths
+from generator.timing import segment_lengths, uniform_lengths
 from generator.training.stages import StageJob
-from generator.training.text_cache import TextTable, text_table
-from ros_free_stack.skeleton import FPS
 
 
 def from_job(job: StageJob) -> "DurationsObjective":
@@ -32,8 +31,8 @@ class DurationsObjective:
         self.config, self.facts = config, {"clips": len(clips), "training": asdict(training)}
         captions = (caption for clip in dataset.clips for caption in clip.captions)
         table = text_table(dataset.path, (text for caption in captions for text in caption.segments))
-        self._rows, self._texts = _rows(clips, table), torch.from_numpy(table.embeddings)
-        self._held = _rows(dataset.split("val") or clips, table)
+        fps, self._texts = dataset.layout.fps, torch.from_numpy(table.embeddings)
+        self._rows, self._held = _rows(clips, table, fps), _rows(dataset.split("val") or clips, table, fps)
         self._batch, self._seed = training.batch, seed
         self.model: Any = DurationModel(config)
         self.model.white.fit(table.embeddings[np.unique(self._rows[:, 0].astype(int))].astype(np.float32))
@@ -55,15 +54,16 @@ class DurationsObjective:
         return {"loss": loss, "relative_error": error.abs().exp().median() - 1}
 
 
-def _rows(clips: tuple[Clip, ...], table: TextTable) -> np.ndarray:
+def _rows(clips: tuple[Clip, ...], table: TextTable, fps: float) -> np.ndarray:
     """(N, 6): row of the text, place, number of segments, repetitions in both clauses, duration in s; one for each
-    caption and segment."""
+    caption and segment. Segments that nobody labelled share their clip evenly."""
     rows = []
     for clip in clips:
         spans = [(segment.start, segment.end) for segment in clip.segments]
-        lasting = segment_lengths(spans, clip.length, 1) / FPS
         for caption in clip.captions:
-            texts = table.rows(caption.segments)
+            texts, count = table.rows(caption.segments), len(caption.segments)
+            frames = segment_lengths(spans, clip.length, 1) if spans else uniform_lengths(count, clip.length)
+            lasting = frames / fps
             counts = segment_counts(caption.segments)
             rows += [(row, i, len(texts), *counts[i], lasting[i]) for i, row in enumerate(texts)]
     return np.array(rows)

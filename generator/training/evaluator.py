@@ -1,7 +1,7 @@
 """Training of the evaluator: each motion and its caption against all others of the batch, and their mirror images."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import MAX_FRAMES, Training
-from generator.data.dataset import Clip, MotionDataset
 from generator.data.mirror import mirror_words
 from generator.data.mirrored_features import mirror_features
+from generator.datasets.dataset import Clip, MotionDataset
 from generator.nn.evaluator import STRIDE, EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from generator.training.stages import StageJob
@@ -48,7 +48,8 @@ def contrastive_loss(motion: Tensor, text: Tensor, same: Tensor) -> Tensor:
 
 def from_job(job: StageJob) -> "EvaluatorObjective":
     """The objective of a stage of training."""
-    return EvaluatorObjective(job.dataset, job.model(EvaluatorConfig), job.training, job.seed)
+    config = replace(job.model(EvaluatorConfig), features=job.dataset.layout.width)
+    return EvaluatorObjective(job.dataset, config, job.training, job.seed)
 
 
 class EvaluatorObjective:
@@ -80,9 +81,11 @@ class EvaluatorObjective:
 
     def loss(self, iteration: int) -> dict[str, Tensor]:
         batch = self._training(iteration)
-        twins = [torch.from_numpy(mirror_features(rows.numpy())) for rows in batch.features]
+        mirrored = [
+            torch.from_numpy(mirror_features(rows.numpy(), self._dataset.layout.skeleton)) for rows in batch.features
+        ]
         texts = [mirror_words(text) for text in batch.texts]
-        return self._losses(self.model, PairBatch(batch.features + twins, batch.texts + texts))
+        return self._losses(self.model, PairBatch(batch.features + mirrored, batch.texts + texts))
 
     def validate(self, model: nn.Module) -> dict[str, float]:
         sums: dict[str, float] = {}

@@ -8,7 +8,7 @@ import torch
 
 from generator import weights
 from generator.config import Training, checked
-from generator.data.dataset import MotionDataset
+from generator.datasets.dataset import MotionDataset
 from generator.registry import SHARED, Generator, Stage, resolved, stages
 from generator.settings import Preset
 from generator.training.loop import Objective, Run, train

@@ -9,7 +9,7 @@ from benchmarks import ablation
 from benchmarks.ablation import Arguments, run, segmentation_rows, show
 from generator import weights
 from generator.config import Training
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.models.segmo.config import TokenizerConfig, TokenizerLosses, TransformerConfig
 from generator.models.segmo.model import SegMo
 from generator.models.segmo.objectives.tokenizer import TokenizerObjective
@@ -26,7 +26,7 @@ from tests.generator.tiny_dataset import write_tiny_dataset
 @pytest.fixture(scope="module")
 def arguments(tmp_path_factory: pytest.TempPathFactory) -> Arguments:
     folder = tmp_path_factory.mktemp("ablation")
-    dataset = MotionDataset.open(write_tiny_dataset(folder / "data", test_split=True))
+    dataset = AuthoredCorpus.open(write_tiny_dataset(folder / "data", test_split=True))
     training = Training(8, 3, 1e-3, ema=0.0, weight_decay=0.0)
     torch.manual_seed(0)
     config = TokenizerConfig("patch", 32, 8, 1, 2, codes=32, code_width=8, quantizers=2, parts="limbs")
@@ -63,7 +63,7 @@ def test_rows_are_trained_measured_and_loadable(
         assert loaded.mask.config == ablation.Ablation(arguments, None, loaded.tokenizer.config).transformer(  # type: ignore[arg-type]
             ablation.ROWS[name]
         )
-    show(results, segmentation_rows(MotionDataset.open(arguments.dataset)))
+    show(results, segmentation_rows(AuthoredCorpus.open(arguments.dataset)))
     printed = capsys.readouterr().out
     assert "| exact | 1.000 | 0.000 | 0.000 |" in printed
     assert all(f"| {name} |" in printed for name in arguments.rows)

@@ -8,9 +8,9 @@ import pytest
 
 from generator.data import build
 from generator.data.build import build_dataset, clip_split, describe, make_twins, pair_split
-from generator.data.dataset import MotionDataset
 from generator.data.mirror import mirror_joints, mirror_words
 from generator.data.vocabulary import VOCABULARY
+from generator.datasets.authored import AuthoredCorpus
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.formats.features import decode
 
@@ -30,7 +30,7 @@ def test_workers_do_not_change_the_bytes(folder: Path, tmp_path: Path) -> None:
 
 
 def test_each_clip_is_where_the_index_says(folder: Path) -> None:
-    data = MotionDataset.open(folder)
+    data = AuthoredCorpus.open(folder)
     assert data.manifest["clips"] == len(data.clips) == 12
     for index in (0, 7):
         made = make_twins(3, index // 2)[index % 2]
@@ -40,7 +40,7 @@ def test_each_clip_is_where_the_index_says(folder: Path) -> None:
 
 
 def test_every_second_clip_is_the_reflection_of_the_one_before(folder: Path) -> None:
-    data = MotionDataset.open(folder)
+    data = AuthoredCorpus.open(folder)
     for clip, twin in zip(data.clips[::2], data.clips[1::2], strict=True):
         joints = mirror_joints(decode(data.features(clip)))
         np.testing.assert_allclose(decode(data.features(twin)), joints, atol=1e-9)
@@ -64,7 +64,7 @@ def test_no_training_clip_shows_a_held_out_order(folder: Path) -> None:
     assert clip_split(("wave", *held), 0.9) == "test"
     assert clip_split(("wave",), 0.0) == "test"
     assert clip_split(("wave",), 0.9) == "train"
-    for clip in MotionDataset.open(folder).split("train"):
+    for clip in AuthoredCorpus.open(folder).split("train"):
         names = ["+".join(name for name, _ in segment.actions) for segment in clip.segments]
         assert all(pair_split(a, b) == "train" for a, b in pairwise(names))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.evaluation.cli import Evaluate
 from generator.evaluation.embedder import CorpusEmbedder
 from generator.evaluation.evaluation import Generation
@@ -89,7 +89,7 @@ def test_several_folders_are_rows_named_after_them(
 
 
 def test_generated_motions_are_as_long_as_the_real_ones_and_differ_by_their_place(data: Path, folder: Path) -> None:
-    pairs = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)
+    pairs = corpus_pairs(AuthoredCorpus.open(data), "train", clips=None, seed=0)
     for resampled in (False, True):
         generation = Generation(Performer.load(folder), pairs, resampled=resampled)
         motions = generation.motions(range(len(pairs)), seed=0, title="")
@@ -101,7 +101,7 @@ def test_generated_motions_are_as_long_as_the_real_ones_and_differ_by_their_plac
 
 def test_resampled_motions_are_those_that_the_performer_makes(data: Path, folder: Path) -> None:
     """The same text, timing and noise: what is measured is what `generate` writes, read back from its joints."""
-    pair = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)[3]
+    pair = corpus_pairs(AuthoredCorpus.open(data), "train", clips=None, seed=0)[3]
     performer = Performer.load(folder)
     (measured,) = Generation(performer, [pair], resampled=True).motions([0], seed=7, title="")
     (features,) = performer.around(
@@ -117,7 +117,7 @@ def test_resampled_motions_are_those_that_the_performer_makes(data: Path, folder
 
 
 def test_clips_and_captions_follow_the_seed(data: Path) -> None:
-    dataset = MotionDataset.open(data)
+    dataset = AuthoredCorpus.open(data)
     first, second, other = (corpus_pairs(dataset, "train", clips=32, seed=seed) for seed in (0, 0, 1))
     assert [pair.text for pair in first] == [pair.text for pair in second]
     assert [pair.text for pair in first] != [pair.text for pair in other]
@@ -145,7 +145,7 @@ def test_the_table_leaves_out_what_no_row_has() -> None:
 
 
 def test_an_embedding_does_not_depend_on_the_order(data: Path, folder: Path) -> None:
-    pairs = corpus_pairs(MotionDataset.open(data), "train", clips=None, seed=0)
+    pairs = corpus_pairs(AuthoredCorpus.open(data), "train", clips=None, seed=0)
     embedder = CorpusEmbedder.load(folder / SHARED / "evaluator")
     there = embedder.motions([pair.features for pair in pairs])
     back = embedder.motions([pair.features for pair in pairs[::-1]])

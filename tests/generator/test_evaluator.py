@@ -9,9 +9,9 @@ import torch
 
 from generator import weights
 from generator.config import Training
-from generator.data.dataset import MotionDataset
 from generator.data.mirror import mirror_joints
 from generator.data.mirrored_features import mirror_features
+from generator.datasets.authored import AuthoredCorpus
 from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors
 from generator.training.evaluator import EvaluatorObjective, contrastive_loss
@@ -25,8 +25,8 @@ TRAINING = Training(16, 60, 3e-3, warm_up=5, ema=0.0)
 
 
 @pytest.fixture(scope="module")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
-    return MotionDataset.open(write_tiny_dataset(tmp_path_factory.mktemp("data") / "tiny", clips=40))
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> AuthoredCorpus:
+    return AuthoredCorpus.open(write_tiny_dataset(tmp_path_factory.mktemp("data") / "tiny", clips=40))
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_contrast_is_least_when_pairs_match_and_forgives_equal_words() -> None:
     assert contrastive_loss(swapped, text, same) < contrastive_loss(swapped, text, nothing)
 
 
-def test_it_learns_to_find_the_motion_of_a_text(dataset: MotionDataset, tmp_path: Path) -> None:
+def test_it_learns_to_find_the_motion_of_a_text(dataset: AuthoredCorpus, tmp_path: Path) -> None:
     torch.manual_seed(0)
     objective = EvaluatorObjective(dataset, TINY, TRAINING, seed=0)
     before = objective.validate(objective.model.eval())
@@ -100,6 +100,6 @@ def test_it_learns_to_find_the_motion_of_a_text(dataset: MotionDataset, tmp_path
     assert np.allclose(restored.mean, dataset.mean)
 
 
-def test_an_odd_batch_is_refused(dataset: MotionDataset) -> None:
+def test_an_odd_batch_is_refused(dataset: AuthoredCorpus) -> None:
     with pytest.raises(InvalidOption, match="half of it are mirror images, found 15"):
         EvaluatorObjective(dataset, TINY, replace(TRAINING, batch=15), seed=0)

@@ -8,7 +8,7 @@ import pytest
 import torch
 from torch.nn import functional
 
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.grounding.cli import Caption, Ground
 from generator.grounding.consistency import consistency, paired_segments, recall
 from generator.grounding.search import BACKGROUND, ground, similarity_map
@@ -33,12 +33,12 @@ WAVE, WALK = "a person waves with the left hand", "a person walks forward"
 
 
 @pytest.fixture(scope="module")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> MotionDataset:
-    return MotionDataset.open(write_tiny_dataset(tmp_path_factory.mktemp("grounding") / "data", clips=40))
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> AuthoredCorpus:
+    return AuthoredCorpus.open(write_tiny_dataset(tmp_path_factory.mktemp("grounding") / "data", clips=40))
 
 
 @pytest.fixture(scope="module")
-def folder(dataset: MotionDataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(dataset: AuthoredCorpus, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("weights")
     for stage in ("tokenizer", "grounding"):
         torch.manual_seed(0)
@@ -119,7 +119,7 @@ def test_texts_are_found_in_order(folder: Path) -> None:
         ground(space, hidden[:1], texts)
 
 
-def test_known_texts_survive_the_disk(folder: Path, dataset: MotionDataset, tmp_path: Path) -> None:
+def test_known_texts_survive_the_disk(folder: Path, dataset: AuthoredCorpus, tmp_path: Path) -> None:
     known = KnownTexts.load(folder / "segmo" / "grounding")
     assert set(known.texts) == set(ACTIONS)
     assert known.nearest(known.embeddings, 1) == [[(text, pytest.approx(1, abs=1e-2))] for text in known.texts]
@@ -153,7 +153,7 @@ def test_consistency_is_mean_cosine_and_its_variation() -> None:
     assert found.variation == pytest.approx(0.1 / 0.9, rel=1e-5)
 
 
-def test_paired_segments_are_near_after_training(folder: Path, dataset: MotionDataset) -> None:
+def test_paired_segments_are_near_after_training(folder: Path, dataset: AuthoredCorpus) -> None:
     corpus = TokenCorpus.build(dataset, folder / "segmo" / "tokenizer", "cpu")
     batches = TokenBatches(corpus, batch=4, layout="exact", segmentation="exact", seed=0).batches(corpus.train)
     text, motion = paired_segments(AlignedSpace.load(folder / "segmo").model, batches)

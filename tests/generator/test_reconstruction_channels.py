@@ -12,7 +12,7 @@ import pytest
 
 from generator import weights
 from generator.data.build import make_twins
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.models.segmo.config import TokenizerConfig
 from generator.models.segmo.objectives.tokenizer import channel_errors
 from generator.models.segmo.tokenizer import MotionTokenizer
@@ -38,7 +38,7 @@ def errors() -> np.ndarray:
     made = [twin for number in range(CLIPS // 2) for twin in make_twins(SEED, number)]
     starts = itertools.accumulate((twin.clip.length for twin in made), initial=0)
     clips = tuple(replace(twin.clip, start=start) for twin, start in zip(made, starts, strict=False))
-    held = MotionDataset(Path(), clips, np.concatenate([twin.rows for twin in made]), {})
+    held = AuthoredCorpus(Path(), clips, np.concatenate([twin.rows for twin in made]), {})
     return channel_errors(tokenizer, held, clips)
 
 

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from generator.config import SegmentationKind
-from generator.data.dataset import MotionDataset
+from generator.datasets.authored import AuthoredCorpus
 from generator.models.segmo import segmentation
 from generator.models.segmo.config import TOKEN_FRAMES
-from generator.models.segmo.objectives.segmentation_table import segmentation_table
+from generator.models.segmo.objectives.segmentation_table import first_captions, segmentation_table
 from generator.models.segmo.segmentation import METHODS, boundary_errors, boundary_iou, clusters, pose_signal
 from tests.generator.tiny_dataset import write_tiny_dataset
 
@@ -71,20 +71,20 @@ def test_signal_is_the_mean_of_four_frames() -> None:
 
 @pytest.mark.parametrize("kind", ["uniform", "exact", "change-point", "clustering"])
 def test_table_covers_every_clip(tmp_path: Path, kind: SegmentationKind) -> None:
-    dataset = MotionDataset.open(write_tiny_dataset(tmp_path / "tiny"))
+    dataset = AuthoredCorpus.open(write_tiny_dataset(tmp_path / "tiny"))
     table = segmentation_table(dataset, kind)
-    for clip, row in zip(dataset.clips, table, strict=True):
+    for clip, row in zip(dataset.clips, first_captions(dataset, table), strict=True):
         assert (row > 0).sum() == len(clip.segments)
         assert row.sum() == clip.length // TOKEN_FRAMES
     assert np.array_equal(segmentation_table(dataset, kind), table)
 
 
 def test_searched_segmentations_are_searched_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    dataset = MotionDataset.open(write_tiny_dataset(tmp_path / "tiny"))
+    dataset = AuthoredCorpus.open(write_tiny_dataset(tmp_path / "tiny"))
     table = segmentation_table(dataset, "clustering")
     monkeypatch.setattr(segmentation, "METHODS", {})  # would fail if it were searched again
     assert np.array_equal(segmentation_table(dataset, "clustering"), table)
-    other = MotionDataset.open(write_tiny_dataset(tmp_path / "other", seed=1))
+    other = AuthoredCorpus.open(write_tiny_dataset(tmp_path / "other", seed=1))
     with pytest.raises(KeyError):
         segmentation_table(other, "clustering")
 

@@ -7,7 +7,7 @@ from typing import Any
 import torch
 
 from generator import weights
-from generator.data.dataset import MotionDataset
+from generator.datasets.dataset import MotionDataset
 from generator.models.segmo.config import TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.residual_transformer import ResidualTransformer

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Literal, Self
 
-from generator.config import MAX_FRAMES, MIN_FRAMES, AlignmentKind, SegmentationKind
+from generator.config import FEATURES, MAX_FRAMES, MIN_FRAMES, AlignmentKind, SegmentationKind
 from generator.model import Sampling
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.skeleton import FPS
@@ -28,6 +28,7 @@ class TokenizerConfig:
         dilation_growth: dilation of block i is this to the power i.
         codes, code_width, quantizers: codebook entries, their width, and residual layers.
         parts: what has codes of its own, the "whole" body (MoMask) or its "limbs": legs, trunk, head, and either arm.
+        features: width of the features.
         quantizer_dropout: probability that a training batch uses only the first q < Q quantizers, q uniform.
     """
 
@@ -41,6 +42,7 @@ class TokenizerConfig:
     quantizers: int
     quantizer_dropout: float = 0.2
     parts: PartsKind = "whole"
+    features: int = FEATURES
 
 
 @dataclass(frozen=True)

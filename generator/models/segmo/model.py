@@ -8,7 +8,8 @@ import torch
 from torch import Tensor, nn
 
 from generator import weights
-from generator.config import MAX_FRAMES, MIN_FRAMES, from_json
+from generator.config import from_json
+from generator.datasets.layout import layout_of
 from generator.model import FeatureSpec, Known, Sample, Sampling, TextCondition
 from generator.models.segmo.conditioning import Condition
 from generator.models.segmo.config import TOKEN_FRAMES, SegmoSampling, TokenizerConfig, TransformerConfig
@@ -16,7 +17,6 @@ from generator.models.segmo.mask_transformer import MaskTransformer
 from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
 from ros_free_stack.errors import NoWeights
-from ros_free_stack.skeleton import FPS
 
 Model = TypeVar("Model", bound=nn.Module)
 
@@ -33,8 +33,9 @@ class SegMo:
 
     @property
     def spec(self) -> FeatureSpec:
-        layout = "uniform" if self.mask.config.layout == "uniform" else "predicted"
-        return FeatureSpec(len(self.tokenizer.mean), FPS, MIN_FRAMES, MAX_FRAMES, TOKEN_FRAMES, layout)
+        shares = "uniform" if self.mask.config.layout == "uniform" else "predicted"
+        kind = layout_of(self.tokenizer.config.features)
+        return FeatureSpec(kind.width, kind.fps, kind.least_frames, kind.most_frames, TOKEN_FRAMES, shares)
 
     @torch.inference_mode()
     def sample(

@@ -7,6 +7,7 @@ freely (ParTY, section 3.2, gives arms and legs their own tokens beside holistic
 from typing import Final
 
 from generator.models.segmo.config import PartsKind
+from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import CHANNELS
 
 _JOINTS: Final[dict[str, tuple[str, ...]]] = {
@@ -22,13 +23,20 @@ _JOINTS: Final[dict[str, tuple[str, ...]]] = {
 }
 
 
-def part_channels(kind: PartsKind) -> tuple[tuple[int, ...], ...]:
-    """The features of each part; every one of the 263 belongs to one part.
+def part_channels(kind: PartsKind, features: int = len(CHANNELS)) -> tuple[tuple[int, ...], ...]:
+    """The features of each part; every one belongs to one part.
 
     The root's path and the contacts of the feet belong to the legs, which make them.
+
+    Raises:
+        InvalidOption: the parts of a skeleton other than HumanML3D's are not known.
     """
     if kind == "whole":
-        return (tuple(range(len(CHANNELS))),)
+        return (tuple(range(features)),)
+    if features != len(CHANNELS):
+        raise InvalidOption(
+            "tokenizer.model.parts", f"limbs are known of {len(CHANNELS)} features, found {features}; take whole"
+        )
     return tuple(
         tuple(i for i, name in enumerate(CHANNELS) if name.startswith(tuple(f"{joint}_" for joint in joints)))
         for joints in _JOINTS.values()

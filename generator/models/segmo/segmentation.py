@@ -10,20 +10,22 @@ from typing import Final
 
 import numpy as np
 
+from generator.datasets.layout import layout_of
 from generator.models.segmo.config import TOKEN_FRAMES
-
-POSES: Final = slice(0, 67)
-"""Features that the cuts are found in: root velocities, height and joint positions. Rotations and joint velocities
-follow from them, and with those included the cuts lie further from the truth."""
+from generator.models.segmo.objectives.reconstruction import positions
 
 CLUSTER_STEPS = 10
 MIN_CHANGE_TOKENS = 2
 
 
 def pose_signal(standardised: np.ndarray) -> np.ndarray:
-    """(n, 67) poses at the rate of the tokens, means of four frames, from standardised features (T, 263)."""
-    tokens = len(standardised) // TOKEN_FRAMES
-    return standardised[: tokens * TOKEN_FRAMES, POSES].reshape(tokens, TOKEN_FRAMES, -1).mean(1).astype(np.float64)
+    """(n, D) poses at the rate of the tokens, means of four frames, from standardised features (T, F).
+
+    The D features are root velocities, height and joint positions. Rotations and joint velocities follow from them,
+    and with those included the cuts lie further from the truth.
+    """
+    tokens, poses = len(standardised) // TOKEN_FRAMES, positions(layout_of(standardised.shape[1]).skeleton).stop
+    return standardised[: tokens * TOKEN_FRAMES, :poses].reshape(tokens, TOKEN_FRAMES, -1).mean(1).astype(np.float64)
 
 
 def change_points(signal: np.ndarray, count: int) -> np.ndarray:

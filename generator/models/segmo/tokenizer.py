@@ -12,7 +12,6 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.config import FEATURES
 from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.parts import part_channels
 from generator.nn.quantizer import Quantized, ResidualQuantizer
@@ -42,9 +41,9 @@ class MotionTokenizer(nn.Module):
     def __init__(self, config: TokenizerConfig, mean: Tensor | None = None, std: Tensor | None = None) -> None:
         super().__init__()
         self.config = config
-        self.register_buffer("mean", torch.zeros(FEATURES) if mean is None else mean.float())
-        self.register_buffer("std", torch.ones(FEATURES) if std is None else std.float().clamp_min(MIN_STD))
-        self.channels = part_channels(config.parts)
+        self.register_buffer("mean", torch.zeros(config.features) if mean is None else mean.float())
+        self.register_buffer("std", torch.ones(config.features) if std is None else std.float().clamp_min(MIN_STD))
+        self.channels = part_channels(config.parts, config.features)
         self.encoders = nn.ModuleList(_encoder(config, len(channels)) for channels in self.channels)
         self.quantizers = nn.ModuleList(
             ResidualQuantizer(
@@ -145,8 +144,8 @@ def _decoder(config: TokenizerConfig, parts: int) -> nn.Sequential:
     if config.stem == "patch":
         # Windows overlap by half, so that token boundaries leave no steps in the motion.
         up += [*_blocks(config, width), nn.ReLU()]
-        return nn.Sequential(*up, nn.ConvTranspose1d(width, FEATURES, 2 * TOKEN_FRAMES, TOKEN_FRAMES, 2))
+        return nn.Sequential(*up, nn.ConvTranspose1d(width, config.features, 2 * TOKEN_FRAMES, TOKEN_FRAMES, 2))
     up.append(nn.ReLU())
     for _ in range(2):
         up += [*_blocks(config, width), nn.Upsample(scale_factor=2.0), nn.Conv1d(width, width, 3, padding=1)]
-    return nn.Sequential(*up, nn.ReLU(), nn.Conv1d(width, FEATURES, 3, padding=1))
+    return nn.Sequential(*up, nn.ReLU(), nn.Conv1d(width, config.features, 3, padding=1))

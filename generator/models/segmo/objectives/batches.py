@@ -11,8 +11,9 @@ from torch import Tensor, nn
 
 from generator import weights
 from generator.config import MAX_SEGMENTS, SegmentationKind
-from generator.data.dataset import Clip, MotionDataset
-from generator.data.drawing import drawing_weights
+from generator.datasets.dataset import Clip, MotionDataset
+from generator.datasets.drawing import drawing_weights
+from generator.datasets.text_cache import TextTable, text_table
 from generator.models.segmo.conditioning import Condition
 from generator.models.segmo.config import MAX_TOKENS, TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.objectives.segmentation_table import segmentation_table
@@ -20,7 +21,6 @@ from generator.models.segmo.objectives.tokenizer import batches_of_equal_length,
 from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.text.counts import MOST, segment_counts
 from generator.text.meanwhile import LINK, clauses_at_once
-from generator.training.text_cache import TextTable, text_table
 from ros_free_stack.console import progress
 from ros_free_stack.errors import InvalidFile
 
@@ -35,18 +35,18 @@ class TokenClip:
         number: its place among all clips of the data set.
         tokens: (Q P, n) int16.
         sentences: (C,) rows of its captions in the table of sentences.
-        segments: (C, A, 2) rows of both clauses of each caption's segments in the table of clauses, -1 for none.
-        told: (C, A, 2) repetitions that those clauses name, 0 where they do not.
-        counted: (C, A, 2) the same, with the true number where a text of one clause names none.
+        segments: of each caption (A, 2) rows of both clauses of its segments in the table of clauses, -1 for none.
+        told: of each caption (A, 2) repetitions that those clauses name, 0 where they do not.
+        counted: the same, with the true number where a text of one clause names none.
     """
 
     number: int
     tokens: np.ndarray
     weight: float
     sentences: np.ndarray
-    segments: np.ndarray
-    told: np.ndarray
-    counted: np.ndarray
+    segments: tuple[np.ndarray, ...]
+    told: tuple[np.ndarray, ...]
+    counted: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class TokenCorpus:
                     codes,
                     chance,
                     sentences.rows(caption.text for caption in clip.captions),
-                    np.stack([[table.rows(pairs[text]) for text in caption.segments] for caption in clip.captions]),
+                    tuple(np.stack([table.rows(pairs[text]) for text in own.segments]) for own in clip.captions),
                     *repetitions_of(clip),
                 )
                 for clip, codes, chance in zip(chosen, tokens, chances.tolist(), strict=True)
@@ -138,7 +138,7 @@ class TokenCorpus:
     def training_texts(self) -> tuple[np.ndarray, np.ndarray]:
         """Embeddings (N, 384) of the captions, once for each clip's use, and (M, 384) of the distinct clauses."""
         sentence_rows = np.concatenate([clip.sentences for clip in self.train])
-        segment_rows = np.concatenate([clip.segments.ravel() for clip in self.train])
+        segment_rows = np.concatenate([own.ravel() for clip in self.train for own in clip.segments])
         return (
             self.sentences.embeddings[sentence_rows].astype(np.float32),
             self.clauses.embeddings[np.unique(segment_rows[segment_rows >= 0])].astype(np.float32),
@@ -208,40 +208,41 @@ class TokenBatches:
             true = counted is not None and counted[i]
             counts[i, : len(rows[i])] = (clip.counted if true else clip.told)[caption]
         sentences = [clip.sentences[caption] for clip, caption in zip(clips, captions, strict=True)]
-        numbers = [clip.number for clip in clips]
+        numbers, counted_as = [clip.number for clip in clips], [len(row) - 1 for row in rows]
         condition = Condition(
             torch.from_numpy(corpus.sentences.embeddings[sentences].astype(np.float32)),
             torch.from_numpy(segments),
             torch.from_numpy(counts),
-            self._layout[numbers, :count],
+            self._layout[numbers, counted_as, :count],
         )
-        return TokenBatch(tokens.permute(2, 0, 1).long(), condition, self._motion_segments[numbers, :count])
+        return TokenBatch(tokens.permute(2, 0, 1).long(), condition, self._motion_segments[numbers, counted_as, :count])
 
 
-def repetitions_of(clip: Clip) -> tuple[np.ndarray, np.ndarray]:
-    """(C, A, 2) repetitions that the clauses name, and the same with the true ones; see `TokenClip`."""
-    told = np.stack([segment_counts(caption.segments) for caption in clip.captions])
-    counted = told.copy()
+def repetitions_of(clip: Clip) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+    """Of each caption (A, 2) repetitions that its clauses name, and the same with the true ones; see `TokenClip`."""
+    told = tuple(segment_counts(caption.segments) for caption in clip.captions)
+    counted = tuple(row.copy() for row in told)
     for place, segment in enumerate(clip.segments):
         counts = [parameters["count"] for _, parameters in segment.actions if "count" in parameters]
-        alone = [len(segment.actions) == 1 and LINK not in caption.segments[place] for caption in clip.captions]
-        if len(counts) == 1:
-            silent = np.array(alone) & ~told[:, place].any(-1)
-            counted[silent, place, 0] = min(MOST, counts[0])
+        for caption, row in zip(clip.captions, counted, strict=True):
+            alone = len(segment.actions) == 1 and LINK not in caption.segments[place]
+            if len(counts) == 1 and alone and not row[place].any():
+                row[place, 0] = min(MOST, counts[0])
     return told, counted
 
 
 def _check(dataset: MotionDataset, clip: Clip) -> None:
     """InvalidFile unless the models can take the clip."""
     tokens = clip.length // TOKEN_FRAMES
-    if not 1 <= len(clip.segments) <= min(MAX_SEGMENTS, tokens) or tokens > MAX_TOKENS:
+    counts = [len(caption.segments) for caption in clip.captions]
+    if not counts or (clip.segments and any(count != len(clip.segments) for count in counts)):
+        raise InvalidFile(dataset.path, f"clip {clip.id} needs captions with {len(clip.segments)} segment texts each")
+    if not 1 <= min(counts) <= max(counts) <= min(MAX_SEGMENTS, tokens) or tokens > MAX_TOKENS:
         raise InvalidFile(
             dataset.path,
-            f"clip {clip.id} has {len(clip.segments)} segments in {clip.length} frames; valid are 1 to "
+            f"clip {clip.id} has {max(counts)} segments in {clip.length} frames; valid are 1 to "
             f"{MAX_SEGMENTS} segments and at most {MAX_TOKENS * TOKEN_FRAMES} frames",
         )
-    if not clip.captions or any(len(caption.segments) != len(clip.segments) for caption in clip.captions):
-        raise InvalidFile(dataset.path, f"clip {clip.id} needs captions with {len(clip.segments)} segment texts each")
 
 
 def _tokenise(tokenizer: MotionTokenizer, dataset: MotionDataset, clips: Sequence[Clip]) -> list[np.ndarray]:

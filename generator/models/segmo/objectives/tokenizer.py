@@ -1,7 +1,7 @@
 """Training of the motion tokenizer: windows of features, and what is left of them."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from generator.config import Training
-from generator.data.dataset import Clip, MotionDataset
+from generator.datasets.dataset import Clip, MotionDataset
 from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig, TokenizerLosses
 from generator.models.segmo.objectives.reconstruction import (
     COMMITMENT_WEIGHT,
@@ -28,9 +28,8 @@ BATCH_CLIPS = 64
 
 def from_job(job: StageJob) -> "TokenizerObjective":
     """The objective of a stage of training."""
-    return TokenizerObjective(
-        job.dataset, job.model(TokenizerConfig), job.training, job.objective(TokenizerLosses), job.seed
-    )
+    config = replace(job.model(TokenizerConfig), features=job.dataset.layout.width)
+    return TokenizerObjective(job.dataset, config, job.training, job.objective(TokenizerLosses), job.seed)
 
 
 class TokenizerObjective:
@@ -70,20 +69,25 @@ class TokenizerObjective:
     def validate(self, model: nn.Module) -> dict[str, float]:
         """Losses on whole held-out clips, and the mean joint error in mm."""
         assert isinstance(model, MotionTokenizer)
-        sums: dict[str, float] = {}
+        layout, sums = self._dataset.layout, dict[str, float]()
         for target, found in reconstructions(model, self._dataset, self._held):
             pair = model.standardise(found), model.standardise(target)
-            losses = {**self._measured(model, *pair), "joints": joint_error(*pair, model.std)}
+            losses = {**self._measured(model, *pair), "joints": joint_error(*pair, model.std, layout.skeleton)}
             for name, value in losses.items():
                 sums[name] = sums.get(name, 0.0) + float(value) * len(target) / len(self._held)
         errors = channel_errors(model, self._dataset, self._held)
         root = {f"error_{name}": float(errors[i]) for i, name in enumerate(CHANNELS[:4])}
-        return {**sums, "joints_mm": 1e3 * sums["joints"], "error_median": float(np.median(errors)), **root}
+        return {
+            **sums,
+            "joints_mm": 1e3 * layout.unit_m * sums["joints"],
+            "error_median": float(np.median(errors)),
+            **root,
+        }
 
     def _measured(self, model: MotionTokenizer, found: Tensor, target: Tensor) -> dict[str, Tensor]:
         if self._losses.losses == "published":
-            return published_losses(found, target)
-        return reconstruction_losses(found, target, model.mean, model.std)
+            return published_losses(found, target, self._dataset.layout.skeleton)
+        return reconstruction_losses(found, target, model.mean, model.std, self._dataset.layout.skeleton)
 
     def _windows(self, iteration: int) -> Tensor:
         """(B, window, 263) features, drawn by the clips' weights and lengths."""

@@ -9,7 +9,7 @@ import pytest
 
 from generator.data.build import build_dataset
 from generator.data.cli import DataShow
-from generator.data.dataset import MotionDataset, clip_from_json, clip_to_json
+from generator.datasets.authored import AuthoredCorpus, clip_from_json, clip_to_json
 from ros_free_stack.errors import InvalidFile, UnknownName
 
 
@@ -21,22 +21,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_statistics_are_those_of_the_training_clips_and_are_kept(folder: Path) -> None:
-    data = MotionDataset.open(folder)
+    data = AuthoredCorpus.open(folder)
     rows = np.concatenate([data.features(clip) for clip in data.split("train")]).astype(np.float64)
     assert np.allclose(data.mean, rows.mean(0), atol=1e-4)
     assert np.allclose(data.std, rows.std(0), atol=1e-4)
     kept = (folder / "statistics.npz").read_bytes()
-    assert np.array_equal(MotionDataset.open(folder).mean, data.mean)
+    assert np.array_equal(AuthoredCorpus.open(folder).mean, data.mean)
     assert (folder / "statistics.npz").read_bytes() == kept
 
 
 def test_a_clip_survives_its_line(folder: Path) -> None:
-    for clip in MotionDataset.open(folder).clips:
+    for clip in AuthoredCorpus.open(folder).clips:
         assert clip_from_json(clip_to_json(clip)) == clip
 
 
 def test_features_are_float32_rows_of_the_clip(folder: Path) -> None:
-    data = MotionDataset.open(folder)
+    data = AuthoredCorpus.open(folder)
     clip = data.clips[-1]
     features = data.features(clip)
     assert features.shape == (clip.length, 263)
@@ -45,7 +45,7 @@ def test_features_are_float32_rows_of_the_clip(folder: Path) -> None:
 
 
 def test_unknown_names(folder: Path) -> None:
-    data = MotionDataset.open(folder)
+    data = AuthoredCorpus.open(folder)
     with pytest.raises(UnknownName, match="train"):
         data.split("training")
     with pytest.raises(UnknownName, match="000000"):
@@ -70,7 +70,7 @@ def test_broken_folders_are_named(folder: Path, tmp_path: Path, name: str, conte
     if content is not None:
         (copy / name).write_text(content)
     with pytest.raises(InvalidFile, match=message):
-        MotionDataset.open(copy)
+        AuthoredCorpus.open(copy)
 
 
 def test_show_draws_a_clip_and_prints_its_words(

@@ -13,46 +13,21 @@ from typing import Any, Final
 
 import numpy as np
 
-from generator.data.captions import Caption
-from generator.data.compose import LabelledSegment
+from generator.datasets.dataset import Caption, Clip, LabelledSegment, of_split
+from generator.datasets.layout import HUMAN, Layout
+from generator.datasets.statistics import measured
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.files import atomic_path
 from ros_free_stack.formats.features import CHANNELS
 
-__all__ = ["SPLITS", "VERSION", "Caption", "Clip", "LabelledSegment", "MotionDataset"]
-
 VERSION: Final = 1
-SPLITS: Final = ("train", "val", "test")
+MANIFEST: Final = "manifest.json"
 _BLOCK = 65536
 
 
 @dataclass(frozen=True)
-class Clip:
-    """One labelled motion.
-
-    Attributes:
-        id: its name in the data set.
-        split: "train", "val" or "test".
-        start, length: its rows in the features.
-        source: "authored", "cmu" or "mixed".
-        weight: how often to draw it in training, relative to the others.
-        segments: what happens when, tiling the clip.
-        captions: sentences, each with its own wording of the segments.
-    """
-
-    id: str
-    split: str
-    start: int
-    length: int
-    source: str
-    weight: float
-    segments: tuple[LabelledSegment, ...]
-    captions: tuple[Caption, ...]
-
-
-@dataclass(frozen=True)
-class MotionDataset:
-    """A corpus on disk; see `MotionDataset.open`."""
+class AuthoredCorpus:
+    """A corpus on disk; see `AuthoredCorpus.open`."""
 
     path: Path
     clips: tuple[Clip, ...]
@@ -60,13 +35,13 @@ class MotionDataset:
     manifest: dict[str, Any]
 
     @classmethod
-    def open(cls, path: Path) -> "MotionDataset":
+    def open(cls, path: Path) -> "AuthoredCorpus":
         """Open a folder written by `data build`.
 
         Raises:
             InvalidFile: something is missing, of another version, or does not fit together.
         """
-        manifest = _read_manifest(path / "manifest.json")
+        manifest = _read_manifest(path / MANIFEST)
         rows = _read_rows(path / "features.npy")
         clips = _read_clips(path / "clips.jsonl")
         named = sum(clip.length for clip in clips)
@@ -74,15 +49,18 @@ class MotionDataset:
             raise InvalidFile(path, f"clips.jsonl names {named} rows, features.npy has {len(rows)}")
         return cls(path, clips, rows, manifest)
 
+    @property
+    def layout(self) -> Layout:
+        """That of HumanML3D."""
+        return HUMAN
+
     def features(self, clip: Clip) -> np.ndarray:
         """(length, 263) float32 features of a clip, not standardised."""
         return self.rows[clip.start : clip.start + clip.length].astype(np.float32)
 
     def split(self, name: str) -> tuple[Clip, ...]:
         """The clips of "train", "val" or "test"."""
-        if name not in SPLITS:
-            raise UnknownName("split", name, SPLITS)
-        return tuple(clip for clip in self.clips if clip.split == name)
+        return of_split(self.clips, name)
 
     def clip(self, name: str) -> Clip:
         """The clip of that id, or UnknownName."""
@@ -122,29 +100,17 @@ class MotionDataset:
         return os.access(self.path, os.W_OK)
 
     def _measure(self) -> tuple[np.ndarray, np.ndarray]:
-        """Two passes: the mean, then the deviation from it, so that nothing cancels."""
-        chosen = np.zeros(len(self.rows), dtype=bool)
-        for clip in self.split("train"):
-            chosen[clip.start : clip.start + clip.length] = True
-        if not chosen.any():
+        training = self.split("train")
+        if not training:
             raise InvalidFile(self.path, "has no training clips")
-        mean = self._sum(chosen, np.zeros(self.rows.shape[1]), power=1) / chosen.sum()
-        std = np.sqrt(self._sum(chosen, mean, power=2) / chosen.sum())
-        return mean.astype(np.float32), std.astype(np.float32)
-
-    def _sum(self, chosen: np.ndarray, mean: np.ndarray, *, power: int) -> np.ndarray:
-        total = np.zeros(self.rows.shape[1])
-        for start in range(0, len(self.rows), _BLOCK):
-            window = slice(start, start + _BLOCK)
-            total += ((self.rows[window][chosen[window]].astype(np.float64) - mean) ** power).sum(0)
-        return total
+        return measured(lambda: (self.features(clip) for clip in training))
 
 
 def clip_to_json(clip: Clip) -> str:
     """One line of `clips.jsonl`."""
     data = {**vars(clip)}
     data["segments"] = [vars(segment) for segment in clip.segments]
-    data["captions"] = [vars(caption) for caption in clip.captions]
+    data["captions"] = [{"text": caption.text, "segments": caption.segments} for caption in clip.captions]
     return json.dumps(data, separators=(",", ":"))
 
 

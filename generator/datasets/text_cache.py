@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from generator.datasets.cache import cache_path
 from ros_free_stack.console import say
 from ros_free_stack.files import atomic_path
 
@@ -32,7 +33,7 @@ def text_table(folder: Path, texts: Iterable[str]) -> TextTable:
     """Embed the texts, or read them from the folder where the very same texts were embedded before."""
     distinct = sorted(set(texts))
     name = hashlib.sha256("\n".join(distinct).encode()).hexdigest()[:16]
-    path = folder / f"text-{name}.npy"
+    path = cache_path(folder, f"text-{name}.npy")
     if not path.is_file():
         from generator.text.encoder import TextEncoder
 
