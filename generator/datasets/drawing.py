@@ -11,8 +11,8 @@ from generator.datasets.dataset import Clip, LabelledSegment
 def drawing_weights(clips: Sequence[Clip]) -> np.ndarray:
     """(N,) weight of each clip: its own by the mean of n^-0.75 over its actions, n clips showing each.
 
-    Short actions fit into more clips than long ones, and one action alone is commoner than two at once: drawn alike, a
-    action like walking is met thirty times as often as one like conducting. That leaves some of the difference. A
+    Short actions fit into more clips than long ones, and one action alone is commoner than two at once: drawn alike, an
+    action like walking is met thirty times as often as one like conducting. That leaves some of the difference. An
     action in the company of another counts as one of its own. Clips whose segments nobody labelled keep their weight.
     """
     shown = [{action for segment in clip.segments for action in _actions(segment)} for clip in clips]
