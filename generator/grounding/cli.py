@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
@@ -23,13 +23,16 @@ class Ground(Command):
     """What to look for, in English, e.g. "a person waves, then bows"."""
     out: Path | None = None
     """Also draw the similarity map to this PNG file."""
+    method: Literal["in-order", "most-similar"] = "in-order"
+    """`in-order` looks for all texts at once, one after the other, in windows of every length; `most-similar` takes the
+    most similar window of --window seconds for each text by itself, as SegMo does."""
     window: float = 1.0
-    """Window of the map, in s; the places themselves are searched with windows of every length."""
+    """Window of the map, and of `most-similar`, in s."""
     weights: Path | None = None
     """Folder of trained models; the ones that come with the program where not given."""
 
     def run(self) -> int:
-        from generator.grounding.search import ground, similarity_map
+        from generator.grounding.search import ground, most_similar, similarity_map
         from generator.grounding.space import AlignedSpace
         from generator.models.segmo.config import TOKEN_S
         from generator.registry import DEFAULT, WEIGHTS_FOLDER
@@ -47,7 +50,8 @@ class Ground(Command):
             longest = len(hidden) * TOKEN_S
             raise InvalidOption("--window", f"must be {TOKEN_S:g} to {longest:g} s here, found {self.window:g}")
         embedded = space.texts(TextEncoder(), texts)
-        found = ground(space, hidden, embedded)
+        paper = self.method == "most-similar"
+        found = most_similar(space, hidden, embedded, length) if paper else ground(space, hidden, embedded)
         if self.out:
             from generator.grounding.figure import draw_similarity
 

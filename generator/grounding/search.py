@@ -32,8 +32,8 @@ def similarity_map(space: AlignedSpace, hidden: Tensor, texts: Tensor, length: i
 def ground(space: AlignedSpace, hidden: Tensor, texts: Tensor) -> list[Found]:
     """Windows of hidden tokens (n, W) for texts (A, W): one after the other in the order of the texts, gaps allowed.
 
-    Of all such windows these have the greatest sum of evidence (similarity - BACKGROUND) * sqrt(tokens). The paper
-    takes each text's most similar window, which is too short: a part of a wave is as similar to "waves" as the whole.
+    Of all such windows these have the greatest sum of evidence (similarity - BACKGROUND) * sqrt(tokens). The paper's
+    way is `most_similar`; its windows are too short: a part of a wave is as similar to "waves" as the whole.
 
     Raises:
         InvalidOption: the motion has fewer tokens than there are texts.
@@ -47,6 +47,16 @@ def ground(space: AlignedSpace, hidden: Tensor, texts: Tensor) -> list[Found]:
     return [
         Found(first * TOKEN_S, last * TOKEN_S, float(own[first, last]))
         for (first, last), own in zip(_in_order(evidence), similarity, strict=True)
+    ]
+
+
+def most_similar(space: AlignedSpace, hidden: Tensor, texts: Tensor, length: int) -> list[Found]:
+    """The most similar window of `length` tokens for each text (A, W) by itself, as the paper has it (section 4.4)."""
+    similarity = similarity_map(space, hidden, texts, length)
+    starts = similarity.argmax(axis=1).tolist()
+    return [
+        Found(start * TOKEN_S, (start + length) * TOKEN_S, float(own[start]))
+        for start, own in zip(starts, similarity, strict=True)
     ]
 
 

@@ -1,6 +1,7 @@
 """Grounding and captioning as commands, on a space that was trained on a tiny data set; measures from definitions."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,9 @@ from generator.grounding.space import AlignedSpace
 from generator.grounding.texts import KnownTexts
 from generator.models.segmo.config import TOKEN_S
 from generator.models.segmo.objectives.batches import TokenBatches, TokenCorpus
+from generator.text.encoder import TextEncoder
 from ros_free_stack.errors import InvalidFile, InvalidOption, NoWeights
-from ros_free_stack.files import save_motion
+from ros_free_stack.files import load_motion, save_motion
 from ros_free_stack.messages import HumanMotion, Segment
 from tests.generator.tiny_dataset import ACTIONS, tiny_joints, write_tiny_dataset
 from tests.generator.tiny_models import tiny_job
@@ -68,6 +70,22 @@ def test_ground_finds_each_text_where_it_happens(
     assert wave["start_s"] < 2 < walk["end_s"]
     assert wave["start_s"] + wave["end_s"] < walk["start_s"] + walk["end_s"]
     assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_ground_command_takes_the_most_similar_window_as_the_paper_does(
+    folder: Path, motion: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = Ground(motion=motion, prompt=f"{WAVE}, then walks forward", weights=folder, json=True)
+    assert replace(command, method="most-similar", window=0.8).run() == 0
+    wave, walk = json.loads(capsys.readouterr().out)["segments"]
+    assert [round(found["end_s"] - found["start_s"], 6) for found in (wave, walk)] == [0.8, 0.8]
+    assert wave["end_s"] <= 2.4 and walk["start_s"] >= 1.6
+    space = AlignedSpace.load(folder / "segmo")
+    hidden = space.hidden(space.motion_tokens(load_motion(motion)))
+    similarity = similarity_map(space, hidden, space.texts(TextEncoder(), [WAVE, WALK]), 4)
+    for found, own in zip((wave, walk), similarity, strict=True):
+        assert found["similarity"] == pytest.approx(own.max(), abs=1e-5)
+        assert found["start_s"] == pytest.approx(0.2 * own.argmax())
 
 
 def test_caption_names_each_segment(folder: Path, motion: Path, capsys: pytest.CaptureFixture[str]) -> None:

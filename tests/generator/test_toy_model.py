@@ -171,7 +171,5 @@ def test_a_new_model_trains_generates_edits_and_is_evaluated(
 
 
 def test_stages_of_a_new_model_are_named(data: Path, tmp_path: Path) -> None:
-    with pytest.raises(
-        UnknownName, match=r"unknown stage 'mask'; valid: all, domain, durations, evaluator, net"
-    ):
+    with pytest.raises(UnknownName, match=r"unknown stage 'mask'; valid: all, domain, durations, evaluator, net"):
         Train(stage="mask", preset="toy", dataset=data, out=tmp_path, device="cpu").run()
