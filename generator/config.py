@@ -40,7 +40,7 @@ class Training:
     final_rate: float = 0.03
     milestones: tuple[int, ...] = ()
     gamma: float = 0.1
-    betas: tuple[float, ...] = (0.9, 0.99)
+    betas: tuple[float, float] = (0.9, 0.99)
     weight_decay: float = 0.01
     clip: float = 1.0
     ema: float = 0.999

@@ -114,7 +114,7 @@ class Context:
         middle, follows = stitch(given[0], window, given[1])
         if foot_lock:
             rest = self.rest if before or after else None
-            window = lock_feet(np.concatenate([given[0], middle, follows]), features[:, -4:], rest)
+            window = lock_feet(np.concatenate([given[0], middle, follows]), features[:, -4:].astype(np.float64), rest)
             middle, follows = stitch(given[0], window, given[1])
         return middle, follows
 
