@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 import tyro
 
-from generator.data import body
-from generator.data import pose as poses
-from generator.data.actions import perform
-from generator.data.captions import segment_text
-from generator.data.scene import Scene
-from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry
+from generator.corpus import body
+from generator.corpus import pose as poses
+from generator.corpus.actions import perform
+from generator.corpus.captions import segment_text
+from generator.corpus.scene import Scene
+from generator.corpus.vocabulary.entry import Draw, Voice
+from generator.corpus.words import VOCABULARY, entry
 from generator.datasets.authored import AuthoredCorpus
 from generator.evaluation.metrics import frechet_distance
 from ros_free_stack.coherence import leg_length, spatial_coherence, temporal_coherence

@@ -16,10 +16,12 @@ from typing import Any, Final, Literal
 import numpy as np
 import tyro
 
-from generator.data.actions import ACTIONS
-from generator.data.build import pair_split
-from generator.data.captions import segment_text, together
-from generator.data.vocabulary import VOCABULARY, Draw, Params, Phrase, Voice, entry
+from generator.corpus.actions import ACTIONS
+from generator.corpus.build import pair_split
+from generator.corpus.captions import segment_text, together
+from generator.corpus.vocabulary.english import Phrase
+from generator.corpus.vocabulary.entry import Draw, Params, Voice
+from generator.corpus.words import VOCABULARY, entry
 from generator.datasets.authored import AuthoredCorpus
 from generator.datasets.dataset import Clip
 from generator.performer import Performer, PerformerSettings

@@ -6,7 +6,7 @@ python examples/1_text_to_motion.py "a person waves, then bows" out/
 import sys
 from pathlib import Path
 
-from generator.data.draw import draw_motion
+from generator.corpus.draw import draw_motion
 from generator.performer import Performer
 from generator.registry import SHARED_WEIGHTS
 from generator.text.understanding import Understanding

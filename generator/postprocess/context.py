@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 
 from generator.config import FEATURES
-from generator.data.body import BALL_HEIGHT
+from generator.corpus.body import BALL_HEIGHT
 from generator.model import Known
 from generator.postprocess.foot_lock import lock_feet, standing_height
 from generator.postprocess.stitch import stitch

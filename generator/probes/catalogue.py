@@ -1,8 +1,8 @@
 """All probes by action."""
 
-from generator.probes import arms, hands, legs, steps, trunk
+from typing import Final
+
+from generator.corpus.actions import ACTIONS
 from generator.probes.spec import Probe
 
-PROBES: dict[str, Probe] = {
-    probe.action: probe for family in (arms, hands, trunk, legs, steps) for probe in family.PROBES
-}
+PROBES: Final[dict[str, Probe]] = {name: action.probe for name, action in ACTIONS.items()}

@@ -29,6 +29,11 @@ def within(low: float, high: float) -> Limits:
     return low, high
 
 
+def parameter(name: str) -> Callable[[Mapping[str, Any]], str]:
+    """What that parameter says, "" where it is not named."""
+    return lambda params: params.get(name, "")
+
+
 @dataclass(frozen=True)
 class Extent:
     """How far: the measure against what a parameter says, within a share of it and a margin in its unit."""
@@ -47,23 +52,23 @@ class Probe:
     the one on the other side ("other_hand.front").
 
     Attributes:
-        action: its name in the vocabulary.
         limb: "hand" or "foot" where one side acts (each is tried), "hands" or "feet" where both must, "" for the body.
         bounds: all must hold.
         variants: further bounds by the direction that they tell, one of which must hold; none where empty.
         wanted: the direction that parameters ask for, "" for none.
         count: measure that counts, "" where counts are not named.
-        count_scale: counted turns in one named deed.
+        count_scale: counted turns in one named action.
         extent: how far, where parameters say so.
+        action: the action's name, filled in by its record.
     """
 
-    action: str
     limb: Limb
     bounds: Bounds
     variants: Mapping[str, Bounds] = field(default_factory=dict[str, Bounds])
     wanted: Callable[[Mapping[str, Any]], str] = lambda params: ""
     count: str = ""
     extent: Extent | None = None
+    action: str = ""
 
     @property
     def flies(self) -> bool:

@@ -10,8 +10,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generator.config import MAX_FRAMES, Training
-from generator.data.mirror import mirror_words
-from generator.data.mirrored_features import mirror_features
+from generator.corpus.mirror import mirror_words
+from generator.corpus.mirrored_features import mirror_features
 from generator.datasets.dataset import Clip, MotionDataset
 from generator.nn.evaluator import STRIDE, EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors

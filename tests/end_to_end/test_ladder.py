@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import launch
-from generator.data.actions import perform
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.actions import perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from pipeline.pipeline import Pipeline
 from ros_free_stack.files import load_motion, load_trajectory, load_verdict, save_motion
 from ros_free_stack.messages import HumanMotion

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from generator.data.actions import ACTIONS, perform
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.actions import ACTIONS, perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from ros_free_stack.errors import InvalidOption, UnknownName
 from ros_free_stack.skeleton import BONES, FPS, INDEX
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.data.build import build_dataset
-from generator.data.cli import DataShow
+from generator.corpus.build import build_dataset
+from generator.corpus.cli import DataShow
 from generator.datasets.authored import AuthoredCorpus, clip_from_json, clip_to_json
 from ros_free_stack.errors import InvalidFile, UnknownName
 

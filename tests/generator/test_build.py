@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.data import build
-from generator.data.build import build_dataset, clip_split, describe, make_twins, pair_split
-from generator.data.mirror import mirror_joints, mirror_words
-from generator.data.vocabulary import VOCABULARY
+from generator.corpus import build
+from generator.corpus.build import build_dataset, clip_split, describe, make_mirrored_pair, pair_split
+from generator.corpus.mirror import mirror_joints, mirror_words
+from generator.corpus.words import VOCABULARY
 from generator.datasets.authored import AuthoredCorpus
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.formats.features import decode
@@ -33,7 +33,7 @@ def test_each_clip_is_where_the_index_says(folder: Path) -> None:
     data = AuthoredCorpus.open(folder)
     assert data.manifest["clips"] == len(data.clips) == 12
     for index in (0, 7):
-        made = make_twins(3, index // 2)[index % 2]
+        made = make_mirrored_pair(3, index // 2)[index % 2]
         assert np.array_equal(data.features(data.clips[index]), made.rows.astype(np.float32))
         assert data.clips[index].captions == made.clip.captions
     assert describe(data.manifest).startswith("12 clips")
@@ -41,12 +41,12 @@ def test_each_clip_is_where_the_index_says(folder: Path) -> None:
 
 def test_every_second_clip_is_the_reflection_of_the_one_before(folder: Path) -> None:
     data = AuthoredCorpus.open(folder)
-    for clip, twin in zip(data.clips[::2], data.clips[1::2], strict=True):
+    for clip, mirrored in zip(data.clips[::2], data.clips[1::2], strict=True):
         joints = mirror_joints(decode(data.features(clip)))
-        np.testing.assert_allclose(decode(data.features(twin)), joints, atol=1e-9)
-        assert twin.split == clip.split
-        assert [mirror_words(caption.text) for caption in clip.captions] == [c.text for c in twin.captions]
-        for segment, other in zip(clip.segments, twin.segments, strict=True):
+        np.testing.assert_allclose(decode(data.features(mirrored)), joints, atol=1e-9)
+        assert mirrored.split == clip.split
+        assert [mirror_words(caption.text) for caption in clip.captions] == [c.text for c in mirrored.captions]
+        for segment, other in zip(clip.segments, mirrored.segments, strict=True):
             assert mirror_words(segment.text) == other.text
             sides = [str(params.get("side")) for _, params in segment.actions]
             opposite = {"left": "right", "right": "left"}
@@ -84,7 +84,7 @@ def test_a_build_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     def fail(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(build, "make_twins", fail)
+    monkeypatch.setattr(build, "make_mirrored_pair", fail)
     with pytest.raises(OSError, match="no space"):
         build_dataset(tmp_path / "data", clips=2, seed=0, cmu=None, workers=1)
     assert list(tmp_path.iterdir()) == []

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from generator.data.captions import compose_caption, draw_voice, segment_text, together
-from generator.data.vocabulary import Phrase, Voice
+from generator.corpus.captions import compose_caption, draw_voice, segment_text, together
+from generator.corpus.vocabulary.english import Phrase
+from generator.corpus.vocabulary.entry import Voice
 
 WAVE, BOW, WALK = Phrase("<wave> with the right hand"), Phrase("<bow>"), Phrase("<walk> forward")
 
@@ -40,7 +41,7 @@ def test_a_voice_without_subject_gives_a_command() -> None:
     assert caption.segments == ("a person waves with the right hand",)
 
 
-def test_two_deeds_at_once_stay_one_segment() -> None:
+def test_two_actions_at_once_stay_one_segment() -> None:
     rng = np.random.default_rng(0)
     said = {segment_text(together(WALK, WAVE, rng)) for _ in range(60)}
     assert "a person waves with the right hand while walking forward" in said

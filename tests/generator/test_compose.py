@@ -7,30 +7,30 @@ import numpy as np
 import pytest
 
 from generator.config import MAX_FRAMES, MIN_FRAMES
-from generator.data.actions import perform
-from generator.data.atoms import Atom
-from generator.data.compose import ComposedClip, compose_clip, is_motion
-from generator.data.plan import SEGMENT_SHARES, draw_plan
-from generator.data.scene import Scene
-from generator.data.vocabulary import STILL, VOCABULARY
+from generator.corpus.actions import perform
+from generator.corpus.compose import ComposedClip, compose_clip, is_motion
+from generator.corpus.excerpts import Excerpt
+from generator.corpus.plan import SEGMENT_SHARES, draw_plan
+from generator.corpus.scene import Scene
+from generator.corpus.words import STILL, VOCABULARY
 from ros_free_stack.skeleton import INDEX
 
 
 @pytest.fixture(scope="module")
-def atoms() -> tuple[Atom, ...]:
+def excerpts() -> tuple[Excerpt, ...]:
     made = []
     for seed in range(2):
         scene = Scene(seed=seed)
         perform(scene, "walk", steps=5)
         params = {"direction": "forward", "curve": 0.0, "speed": 1.0}
-        made.append(Atom("walk", params, scene.solve(), f"take {seed}", cyclic=True))
-        made.append(Atom("skip", {}, scene.solve(), f"take {seed}", words=("<skip> along",), legs="skips along"))
+        made.append(Excerpt("walk", params, scene.solve(), f"take {seed}", cyclic=True))
+        made.append(Excerpt("skip", {}, scene.solve(), f"take {seed}", words=("<skip> along",), legs="skips along"))
     return tuple(made)
 
 
 @pytest.fixture(scope="module")
-def clips(atoms: tuple[Atom, ...]) -> list[ComposedClip]:
-    return [compose_clip(np.random.default_rng([0, i]), atoms) for i in range(25)]
+def clips(excerpts: tuple[Excerpt, ...]) -> list[ComposedClip]:
+    return [compose_clip(np.random.default_rng([0, i]), excerpts) for i in range(25)]
 
 
 def test_segments_tile_the_clip(clips: list[ComposedClip]) -> None:
@@ -60,7 +60,7 @@ def test_clips_are_motion(clips: list[ComposedClip]) -> None:
     assert not is_motion(broken)
 
 
-def test_real_and_authored_deeds_mix(clips: list[ComposedClip]) -> None:
+def test_real_and_authored_actions_mix(clips: list[ComposedClip]) -> None:
     sources = {clip.source for clip in clips}
     assert "authored" in sources
     assert sources & {"cmu", "mixed"}
@@ -69,8 +69,8 @@ def test_real_and_authored_deeds_mix(clips: list[ComposedClip]) -> None:
         assert not captured or clip.source != "authored"
 
 
-def test_the_same_seed_gives_the_same_clip(clips: list[ComposedClip], atoms: tuple[Atom, ...]) -> None:
-    again = compose_clip(np.random.default_rng([0, 3]), atoms)
+def test_the_same_seed_gives_the_same_clip(clips: list[ComposedClip], excerpts: tuple[Excerpt, ...]) -> None:
+    again = compose_clip(np.random.default_rng([0, 3]), excerpts)
     assert np.array_equal(again.joints, clips[3].joints)
     assert again.captions == clips[3].captions
 
@@ -115,7 +115,7 @@ def test_parts_that_stay_still_say_so() -> None:
     assert clip.segments[0].legs == STILL
 
 
-def test_long_deeds_are_not_rarer_than_short_ones() -> None:
+def test_long_actions_are_not_rarer_than_short_ones() -> None:
     """Swaying takes too long for most clips, and is drawn the more often where it fits."""
     rng = np.random.default_rng(4)
     names: Counter[str] = Counter()

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from generator.continuation import Continuation, concatenated
-from generator.data.actions import perform
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.actions import perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from generator.editing import edit
 from generator.model import Sampling
 from generator.performer import Performer, PerformerSettings

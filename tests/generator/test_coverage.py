@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.data.coverage import Speech, measure, read_captions, sample_captions
+from generator.corpus.coverage import Speech, measure, read_captions, sample_captions
 from ros_free_stack.errors import InvalidFile, InvalidPrompt
 
 
@@ -26,7 +26,7 @@ def speech() -> Speech:
     ],
 )
 def test_what_the_vocabulary_utters_is_covered(speech: Speech, segment: str) -> None:
-    assert all(speech.covers(said) for said in speech.deeds(segment))
+    assert all(speech.covers(said) for said in speech.actions(segment))
 
 
 @pytest.mark.parametrize(
@@ -40,9 +40,9 @@ def test_what_the_vocabulary_utters_is_covered(speech: Speech, segment: str) -> 
     ],
 )
 def test_what_it_never_utters_is_not(speech: Speech, segment: str, lacking: int) -> None:
-    deeds = speech.deeds(segment)
-    assert not speech.covers(deeds[lacking])
-    assert all(speech.covers(said) for said in deeds[:lacking])
+    actions = speech.actions(segment)
+    assert not speech.covers(actions[lacking])
+    assert all(speech.covers(said) for said in actions[:lacking])
 
 
 def split(caption: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Deeds of the hands do what they say: the named hand, the place it goes to, and how often."""
+"""Actions of the hands do what they say: the named hand, the place it goes to, and how often."""
 
 from typing import Any
 
@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from generator.data.actions import perform
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.actions import perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from ros_free_stack.skeleton import INDEX
 
 Floats = NDArray[np.float64]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.domain import HALVES, LISTS, sentences
-from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry, phrase
+from generator.corpus.vocabulary.entry import Draw, Voice
+from generator.corpus.words import VOCABULARY, entry, phrase
 from generator.registry import SHARED_WEIGHTS
 from generator.text.domain import Domain, deeds
 from generator.text.encoder import TextEncoder

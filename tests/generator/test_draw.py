@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from generator.data.draw import draw_motion
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.draw import draw_motion
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from ros_free_stack.errors import InvalidFile, InvalidMessage, InvalidOption
 
 

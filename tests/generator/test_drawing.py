@@ -1,10 +1,10 @@
-"""How often clips are drawn: rare deeds more often, and nothing but the clips decides."""
+"""How often clips are drawn: rare actions more often, and nothing but the clips decides."""
 
 from collections import Counter
 
 import numpy as np
 
-from generator.data.compose import LabelledSegment
+from generator.corpus.compose import LabelledSegment
 from generator.datasets.dataset import Clip
 from generator.datasets.drawing import drawing_weights
 

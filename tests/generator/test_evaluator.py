@@ -9,8 +9,8 @@ import torch
 
 from generator import weights
 from generator.config import Training
-from generator.data.mirror import mirror_joints
-from generator.data.mirrored_features import mirror_features
+from generator.corpus.mirror import mirror_joints
+from generator.corpus.mirrored_features import mirror_features
 from generator.datasets.authored import AuthoredCorpus
 from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.text.word_vectors import WordVectors

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.data.actions import perform
-from generator.data.pose import joints
-from generator.data.scene import Scene
+from generator.corpus.actions import perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from generator.postprocess.foot_lock import BALLS, Floats, find_stances, lock_feet
 from ros_free_stack.formats.features import decode, encode
 from ros_free_stack.skeleton import FPS, INDEX, PARENTS

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.data import pose as poses
-from generator.data.actions import perform
-from generator.data.joins import concatenate, cut, join, layer, length, place, warp
-from generator.data.pose import ARM_CHANNELS, Pose
-from generator.data.scene import Scene
+from generator.corpus import pose as poses
+from generator.corpus.actions import perform
+from generator.corpus.joins import concatenate, cut, join, layer, length, place, warp
+from generator.corpus.pose import ARM_CHANNELS, Pose
+from generator.corpus.scene import Scene
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.skeleton import FPS
 

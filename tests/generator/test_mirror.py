@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generator.data.mirror import mirror_joints, mirror_words
-from generator.data.mirrored_features import mirror_features
+from generator.corpus.mirror import mirror_joints, mirror_words
+from generator.corpus.mirrored_features import mirror_features
 from ros_free_stack.formats.features import KIT, encode
 from ros_free_stack.skeleton import INDEX
 

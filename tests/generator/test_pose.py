@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.data import body
-from generator.data.actions import perform
-from generator.data.pose import ARM_CHANNELS, CHANNELS, Pose, centre_of_mass, fit, joints, mirror
-from generator.data.scene import Scene
+from generator.corpus import body
+from generator.corpus.actions import perform
+from generator.corpus.pose import ARM_CHANNELS, CHANNELS, Pose, centre_of_mass, fit, joints, mirror
+from generator.corpus.scene import Scene
 from ros_free_stack.errors import InvalidMessage
 from ros_free_stack.skeleton import BONES, INDEX, MIRRORED
 

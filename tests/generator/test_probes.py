@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from generator.data import pose as poses
-from generator.data.actions import perform
-from generator.data.scene import Scene
-from generator.data.vocabulary import VOCABULARY, Draw, entry
+from generator.corpus import pose as poses
+from generator.corpus.actions import perform
+from generator.corpus.scene import Scene
+from generator.corpus.vocabulary.entry import Draw
+from generator.corpus.words import VOCABULARY, entry
 from generator.probes import measures
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import Wanted, check_motion, check_segment
@@ -23,11 +24,11 @@ SIDED = ("wave", "kick", "punch", "knee_lift", "balance", "salute", "touch")
 
 
 @cache
-def performed(*deeds: tuple[str, tuple[tuple[str, Any], ...]]) -> tuple[np.ndarray, tuple[tuple[int, int], ...]]:
-    """Joints of deeds that follow each other, and their frames."""
+def performed(*actions: tuple[str, tuple[tuple[str, Any], ...]]) -> tuple[np.ndarray, tuple[tuple[int, int], ...]]:
+    """Joints of actions that follow each other, and their frames."""
     scene, windows = Scene(seed=3), []
     scene.time = 0.2
-    for name, params in deeds:
+    for name, params in actions:
         start = scene.time
         scene.time = perform(scene, name, **dict(params))
         windows.append((round(start * FPS), round(scene.time * FPS)))
@@ -35,7 +36,7 @@ def performed(*deeds: tuple[str, tuple[tuple[str, Any], ...]]) -> tuple[np.ndarr
     return poses.joints(scene.solve(tail=0.3)), tuple(windows)
 
 
-def deed(name: str, **params: Any) -> tuple[str, tuple[tuple[str, Any], ...]]:
+def action(name: str, **params: Any) -> tuple[str, tuple[tuple[str, Any], ...]]:
     return name, tuple(params.items())
 
 
@@ -45,7 +46,7 @@ def test_every_action_of_the_vocabulary_has_a_probe():
 
 def test_every_bound_names_a_measure():
     """A misspelt measure must not wait for the motion that asks for it."""
-    joints, ((start, stop),) = performed(deed("stand", hold=1.0))
+    joints, ((start, stop),) = performed(action("stand", hold=1.0))
     measured = measures.Measures(Signals.of(joints), start, stop)
     for probe in PROBES.values():
         keys = {*probe.bounds, *(key for bounds in probe.variants.values() for key in bounds)}
@@ -57,13 +58,13 @@ def test_every_bound_names_a_measure():
 @pytest.mark.parametrize("name", sorted(set(VOCABULARY) - {"stand_up"}))
 def test_probe_finds_its_action(name: str):
     params = entry(name).sample(Draw(np.random.default_rng(5), brief=True))
-    joints, (window,) = performed(deed(name, **params))
+    joints, (window,) = performed(action(name, **params))
     checks = check_segment(Signals.of(joints), window, name, {})
     assert checks.action, params
 
 
 def test_standing_up_is_found_after_sitting():
-    joints, windows = performed(deed("sit_down"), deed("stand_up"))
+    joints, windows = performed(action("sit_down"), action("stand_up"))
     signals = Signals.of(joints)
     assert check_segment(signals, windows[0], "sit_down", {}).action
     assert check_segment(signals, windows[1], "stand_up", {}).action
@@ -72,7 +73,7 @@ def test_standing_up_is_found_after_sitting():
 
 @pytest.mark.parametrize("name", sorted(set(VOCABULARY) - {"stand"}))
 def test_no_probe_fires_on_standing(name: str):
-    joints, (window,) = performed(deed("stand", hold=2.0))
+    joints, (window,) = performed(action("stand", hold=2.0))
     assert not check_segment(Signals.of(joints), window, name, {}, exact=True).action
 
 
@@ -80,7 +81,7 @@ def test_no_probe_fires_on_standing(name: str):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_side_is_told_and_reflected(name: str, side: str):
     other = {"left": "right", "right": "left"}[side]
-    joints, (window,) = performed(deed(name, side=side))
+    joints, (window,) = performed(action(name, side=side))
     signals = Signals.of(joints)
     assert check_segment(signals, window, name, {"side": side}).passed
     wrong = check_segment(signals, window, name, {"side": other})
@@ -92,7 +93,7 @@ def test_side_is_told_and_reflected(name: str, side: str):
 @pytest.mark.parametrize("name", ["wave", "clap", "squat", "jump", "kick", "punch", "nod", "knock"])
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_count_is_told(name: str, count: int):
-    joints, (window,) = performed(deed(name, count=count))
+    joints, (window,) = performed(action(name, count=count))
     signals = Signals.of(joints)
     assert check_segment(signals, window, name, {"count": count}).count is True
     assert check_segment(signals, window, name, {"count": count + 1}, exact=True).count is False
@@ -111,21 +112,21 @@ def test_count_is_told(name: str, count: int):
     ],
 )
 def test_direction_is_told(name: str, params: dict[str, Any], wrong: dict[str, Any]):
-    joints, (window,) = performed(deed(name, **params))
+    joints, (window,) = performed(action(name, **params))
     signals = Signals.of(joints)
     assert check_segment(signals, window, name, params).direction is True
     assert check_segment(signals, window, name, wrong).direction is False
 
 
 def test_how_far_is_told():
-    joints, (window,) = performed(deed("turn", angle=90.0))
+    joints, (window,) = performed(action("turn", angle=90.0))
     signals = Signals.of(joints)
     assert check_segment(signals, window, "turn", {"extent": 90.0}).extent is True
     assert check_segment(signals, window, "turn", {"extent": 180.0}).extent is False
 
 
 def test_order_and_presence_of_a_whole_motion():
-    joints, (first, second) = performed(deed("wave", side="right"), deed("squat"))
+    joints, (first, second) = performed(action("wave", side="right"), action("squat"))
     signals = Signals.of(joints)
     wave, squat = ("wave", {"side": "right"}), ("squat", {})
     assert check_motion(signals, (Wanted(first, (wave,)), Wanted(second, (squat,)))).passed
@@ -147,13 +148,13 @@ def test_two_actions_at_the_same_time():
 
 
 def test_a_motion_may_be_a_little_early_or_late():
-    joints, ((start, stop),) = performed(deed("salute", side="left"))
+    joints, ((start, stop),) = performed(action("salute", side="left"))
     signals = Signals.of(joints)
     assert check_segment(signals, (start + 6, min(len(signals), stop + 6)), "salute", {}).action
 
 
 def test_errors_name_what_is_wrong():
-    joints, (window,) = performed(deed("stand", hold=1.0))
+    joints, (window,) = performed(action("stand", hold=1.0))
     signals = Signals.of(joints)
     with pytest.raises(UnknownName, match="moonwalk"):
         check_segment(signals, window, "moonwalk", {})

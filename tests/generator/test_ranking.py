@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from generator.data.build import make_twins
+from generator.corpus.build import make_mirrored_pair
 from generator.evaluation.embedder import CorpusEmbedder
 from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
 from generator.ranking import Ranker
@@ -19,7 +19,7 @@ SENTENCE = "a person waves with the left hand"
 
 
 def motions(count: int) -> list[HumanMotion]:
-    rows = [make_twins(5, number)[0].rows for number in range(count)]
+    rows = [make_mirrored_pair(5, number)[0].rows for number in range(count)]
     return [HumanMotion(joints=decode(part), fps=20.0, prompt=SENTENCE, segments=(), source="corpus") for part in rows]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from generator import weights
-from generator.data.build import make_twins
+from generator.corpus.build import make_mirrored_pair
 from generator.datasets.authored import AuthoredCorpus
 from generator.models.segmo.config import TokenizerConfig
 from generator.models.segmo.objectives.tokenizer import channel_errors
@@ -35,10 +35,10 @@ def errors() -> np.ndarray:
     saved = weights.load(folder, "tokenizer")
     tokenizer = MotionTokenizer(saved.config_as(TokenizerConfig)).eval()
     saved.fill(tokenizer)
-    made = [twin for number in range(CLIPS // 2) for twin in make_twins(SEED, number)]
-    starts = itertools.accumulate((twin.clip.length for twin in made), initial=0)
-    clips = tuple(replace(twin.clip, start=start) for twin, start in zip(made, starts, strict=False))
-    held = AuthoredCorpus(Path(), clips, np.concatenate([twin.rows for twin in made]), {})
+    made = [mirrored for number in range(CLIPS // 2) for mirrored in make_mirrored_pair(SEED, number)]
+    starts = itertools.accumulate((mirrored.clip.length for mirrored in made), initial=0)
+    clips = tuple(replace(mirrored.clip, start=start) for mirrored, start in zip(made, starts, strict=False))
+    held = AuthoredCorpus(Path(), clips, np.concatenate([mirrored.rows for mirrored in made]), {})
     return channel_errors(tokenizer, held, clips)
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from generator.data.actions import perform
-from generator.data.balance import centre_of_mass_path, soft_minimum
-from generator.data.pose import centre_of_mass, joints
-from generator.data.scene import Scene
+from generator.corpus.actions import perform
+from generator.corpus.balance import centre_of_mass_path, soft_minimum
+from generator.corpus.pose import centre_of_mass, joints
+from generator.corpus.scene import Scene
 from ros_free_stack.skeleton import INDEX
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from generator.data import pose as poses
-from generator.data.actions import perform
-from generator.data.scene import Scene
+from generator.corpus import pose as poses
+from generator.corpus.actions import perform
+from generator.corpus.scene import Scene
 from generator.probes.catalogue import PROBES
 from generator.probes.checks import Details
 from generator.probes.measures import Measures

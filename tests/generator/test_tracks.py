@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generator.data.tracks import LinearTrack, Track
+from generator.corpus.tracks import LinearTrack, Track
 
 TIMES = np.arange(0, 5, 0.01)
 

@@ -5,9 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from generator.data.actions import ACTIONS
-from generator.data.vocabulary import VOCABULARY, Draw, Voice, entry, parts, phrase
-from generator.data.vocabulary.english import Phrase, gerund, third_person
+from generator.corpus.actions import ACTIONS
+from generator.corpus.vocabulary.english import Phrase, gerund, third_person
+from generator.corpus.vocabulary.entry import Draw, Voice
+from generator.corpus.words import VOCABULARY, entry, parts, phrase
 from ros_free_stack.errors import UnknownName
 
 
@@ -118,8 +119,8 @@ def test_what_people_type_is_among_the_phrasings(name: str, params: dict, prompt
 
 
 def test_the_catalogue_accepts_every_sampled_parameter() -> None:
-    from generator.data.actions import perform
-    from generator.data.scene import Scene
+    from generator.corpus.actions import perform
+    from generator.corpus.scene import Scene
 
     rng = np.random.default_rng(5)
     for name, item in VOCABULARY.items():

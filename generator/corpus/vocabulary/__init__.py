@@ -1,0 +1,1 @@
+"""What words for actions are made of; the words themselves stand with each action."""
