@@ -156,7 +156,7 @@ class Generate(Command):
         }
         lines = [f"{s.start_s:5.1f} to {s.end_s:4.1f} s  {s.text}" for s in motions[0].segments]
         for path, wrong in zip(paths, missing, strict=True):
-            lines += [f"wrote {path}", *(f"not as asked: {line}" for line in wrong)]
+            lines += [f"wrote {path}", *(f"prompt mismatch: {line}" for line in wrong)]
         self.report(found, *lines)
         return 0
 

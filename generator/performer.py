@@ -20,12 +20,12 @@ from generator.probes.signals import Signals
 from generator.registry import DEFAULT, SHARED, WEIGHTS_FOLDER
 from generator.registry import generator as registered
 from generator.resampling import Resampler
-from generator.self_check import SelfCheck
 from generator.text.condition import Texts, read_texts
 from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN
 from generator.timing import check_segments, checked_durations, fitted, part_sizes, whole_frames
+from generator.verifier import Verifier
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode
@@ -69,7 +69,7 @@ class Performer:
     model: MotionModel
     durations: DurationModel
     text_encoder: TextEncoder
-    verifier: SelfCheck | None = None
+    verifier: Verifier | None = None
     device: str = "cpu"
 
     @classmethod
@@ -103,7 +103,7 @@ class Performer:
         durations = DurationModel(saved.config_as(DurationsConfig))
         saved.fill(durations)
         encoder = text_encoder or TextEncoder()
-        verifier = SelfCheck.load(shared, encoder) if (shared / DOMAIN).exists() else None
+        verifier = Verifier.load(shared, encoder) if (shared / DOMAIN).exists() else None
         return cls(model, durations.to(device).eval().requires_grad_(False), encoder, verifier, device)
 
     def generate(
@@ -153,7 +153,7 @@ class Performer:
 
     def mismatches(self, motion: HumanMotion) -> tuple[str, ...]:
         """What a motion does not show of its segments' texts, a line each; nothing where that cannot be said."""
-        return self.verifier.missing(motion) if self.verifier else ()
+        return self.verifier.mismatches(motion) if self.verifier else ()
 
     def check(self, segments: int, frames: int, candidates: int) -> None:
         """InvalidOption unless so many segments fit into the frames and there is a motion to make."""
@@ -298,11 +298,11 @@ class Performer:
     def _resampler(self, texts: Sequence[str], settings: PerformerSettings) -> Resampler:
         """What samples motions of such segment texts."""
         assert self.verifier is not None
-        verifier, required = self.verifier, self.verifier.asked(texts)
+        verifier, required = self.verifier, self.verifier.requirements(texts)
 
         def judge(features: Tensor, frames: Sequence[int]) -> NDArray[np.int64]:
             ends = np.cumsum(frames)
             windows = list(zip((0, *ends[:-1].tolist()), ends.tolist(), strict=True))
-            return verifier.mistakes(Signals.of(decode(features.cpu().numpy())), windows, required)
+            return verifier.violations(Signals.of(decode(features.cpu().numpy())), windows, required)
 
         return Resampler(self.model, settings.sampling, judge, settings.samples, settings.rounds)

@@ -1,8 +1,8 @@
 """Best of N: what does not show its text is sampled again.
 
 A first sample that shows all of its texts stays. Otherwise the segments in which it is wrong are sampled anew, with a
-little of either neighbour, while the rest is held. Of several such samples the one with the fewest mistakes stays, and
-what is still wrong in it is sampled again.
+little of either neighbour, while the rest is held. Of several such samples the one with the fewest violations stays,
+and what is still wrong in it is sampled again.
 """
 
 from collections.abc import Callable, Sequence
@@ -51,21 +51,21 @@ class Resampler:
             if not wrong.any():
                 break
             held = self._held(best, self._widened(wrong, text.frames[0]), known).repeated(self.samples)
-            found, mistakes = self._least_wrong(several, held, noise)
-            if mistakes.sum() < wrong.sum():
-                best, wrong = found, mistakes
+            found, violations = self._least_wrong(several, held, noise)
+            if violations.sum() < wrong.sum():
+                best, wrong = found, violations
         return best
 
     def _least_wrong(
         self, text: TextCondition, known: Known | None, noise: torch.Generator
     ) -> tuple[Sample, NDArray[np.int64]]:
-        """The sample with the fewest mistakes, one for each row, and its mistakes (A,)."""
+        """The sample with the fewest violations, one for each row, and its violations (A,)."""
         samples = self.model.sample(text, known=known, sampling=self.sampling, noise=noise)
         found = [
             self.judge(sample.features, frames[frames > 0].tolist())
             for sample, frames in zip(samples, text.frames, strict=True)
         ]
-        least = int(np.argmin([mistakes.sum() for mistakes in found]))
+        least = int(np.argmin([violations.sum() for violations in found]))
         return samples[least], found[least]
 
     def _widened(self, wrong: NDArray[np.int64], frames: Tensor) -> Tensor:

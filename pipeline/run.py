@@ -213,7 +213,7 @@ class Run(Command):
         verdict = best.judgement.verdict
         for segment in best.motion.segments:
             yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
-        yield from (f"not as asked: {line}" for line in best.missing)
+        yield from (f"prompt mismatch: {line}" for line in best.missing)
         feasible = sum(candidate.judgement.passed for candidate in found)
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
         yield from (note for note in verdict.notes if note.startswith(("played by", "changed", "tried")))

@@ -53,7 +53,7 @@ def test_what_a_motion_does_not_show_is_told(wave, tmp_path: Path, capsys):
     assert [candidate["not_shown"] for candidate in result["candidates"]] == [[], []]
     squats = ("generate", "a person squats three times", "--duration", "2", "--out", str(tmp_path / "squats.npz"))
     assert launch.main(list(squats)) == 0
-    assert "not as asked: 0.0 to 2.0 s: does not show the number of `a person squats" in capsys.readouterr().out
+    assert "prompt mismatch: 0.0 to 2.0 s: does not show the number of `a person squats" in capsys.readouterr().out
 
 
 def test_the_right_hand_waves_above_the_shoulder_and_the_left_one_hangs(wave):

@@ -79,10 +79,10 @@ def resampler(judge: Judge, *, samples: int = 4, rounds: int = 3) -> Resampler:
     return Resampler(Noise(), Sampling(), judge, samples, rounds)
 
 
-def test_the_sample_with_the_fewest_mistakes_stays() -> None:
+def test_the_sample_with_the_fewest_violations_stays() -> None:
     judge = Negative()
     found = resampler(judge, rounds=1).sample(text(*FRAMES), None, noise())
-    totals = [mistakes.sum() for mistakes in judge.found]
+    totals = [violations.sum() for violations in judge.found]
     assert len(totals) == 1 + 4 and len(set(totals)) > 1
     assert torch.equal(found.features, judge.seen[int(np.argmin(totals))])
 
@@ -116,7 +116,7 @@ def test_only_what_is_wrong_is_sampled_again() -> None:
     assert (later[:, first:stop] != seen[0][first:stop]).any(-1).all()
 
 
-def test_a_first_sample_without_mistakes_stays() -> None:
+def test_a_first_sample_without_violations_stays() -> None:
     calls: list[int] = []
 
     def judge(features: torch.Tensor, frames: Sequence[int]) -> NDArray[np.int64]:

@@ -24,27 +24,27 @@ from generator.text.understanding import DOMAIN
 from ros_free_stack.messages import HumanMotion
 
 ABSENT: Final = 4
-"""Mistakes that a missing action counts as, more than all its details together."""
+"""Violations that a missing action counts as, more than all its details together."""
 FLIGHT: Final = 2
-"""Mistakes that leaving the floor counts as where no action does so: no robot could follow."""
+"""Violations that leaving the floor counts as where no action does so: no robot could follow."""
 
 
 @dataclass(frozen=True)
-class Asked:
+class Requirement:
     """A clause of a segment's text and the names of the actions that it may mean, any of which will do."""
 
     clause: str
     actions: tuple[str, ...]
 
     def checks(self, signals: Signals, window: Window) -> Checks | None:
-        """Those of the action with the fewest mistakes; None where nothing can be asked."""
+        """Those of the action with the fewest violations; None where nothing can be asked."""
         if window[1] - window[0] < MIN_FRAMES:
             return None
         found = (find(PROBES[name], told(PROBES[name], self.clause), signals, window) for name in self.actions)
-        return min(found, key=mistakes, default=None)
+        return min(found, key=violations, default=None)
 
 
-def mistakes(checks: Checks | None) -> int:
+def violations(checks: Checks | None) -> int:
     """How much is wrong with an action: each detail counts 1, its absence ABSENT."""
     if checks is None:
         return 0
@@ -53,7 +53,7 @@ def mistakes(checks: Checks | None) -> int:
     return sum(right is False for right in (checks.side, checks.count, checks.direction, checks.extent))
 
 
-def leaves_floor(signals: Signals, window: Window, parts: Sequence[Asked]) -> bool:
+def leaves_floor(signals: Signals, window: Window, parts: Sequence[Requirement]) -> bool:
     """Whether both feet do where nothing that is asked for makes them."""
     probes = [PROBES[name] for part in parts for name in part.actions]
     if not probes or any(probe.flies for probe in probes) or window[1] - window[0] < MIN_FRAMES:
@@ -61,7 +61,7 @@ def leaves_floor(signals: Signals, window: Window, parts: Sequence[Asked]) -> bo
     return Measures(signals, *window).body.flights > 0
 
 
-class SelfCheck:
+class Verifier:
     """Reads what texts ask for and looks for it in motions."""
 
     def __init__(self, domain: Domain) -> None:
@@ -72,32 +72,32 @@ class SelfCheck:
         """With the known texts of a folder of weights, or InvalidFile."""
         return cls(Domain.load(folder / DOMAIN, encoder))
 
-    def asked(self, texts: Sequence[str]) -> tuple[tuple[Asked, ...], ...]:
+    def requirements(self, texts: Sequence[str]) -> tuple[tuple[Requirement, ...], ...]:
         """What each segment text asks for, clause by clause."""
         clauses = [[clause for clause in clauses_at_once(text) if clause] for text in texts]
         names = iter(self._domain.meant([clause for row in clauses for clause in row]))
         return tuple(
-            tuple(Asked(clause, tuple(name for name in next(names) if name in PROBES)) for clause in row)
+            tuple(Requirement(clause, tuple(name for name in next(names) if name in PROBES)) for clause in row)
             for row in clauses
         )
 
-    def mistakes(
-        self, signals: Signals, windows: Sequence[Window], asked: Sequence[tuple[Asked, ...]]
+    def violations(
+        self, signals: Signals, windows: Sequence[Window], required: Sequence[tuple[Requirement, ...]]
     ) -> NDArray[np.int64]:
         """(A,) how much is wrong with each segment in its window of frames."""
         return np.array(
             [
-                sum(mistakes(part.checks(signals, window)) for part in parts)
+                sum(violations(part.checks(signals, window)) for part in parts)
                 + FLIGHT * leaves_floor(signals, window, parts)
-                for window, parts in zip(windows, asked, strict=True)
+                for window, parts in zip(windows, required, strict=True)
             ]
         )
 
-    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
+    def mismatches(self, motion: HumanMotion) -> tuple[str, ...]:
         """What a motion does not show of its segments' texts, a line each."""
         signals, frames = Signals.of(motion.joints), len(motion.joints)
         lines: list[str] = []
-        for segment, parts in zip(motion.segments, self.asked([s.text for s in motion.segments]), strict=True):
+        for segment, parts in zip(motion.segments, self.requirements([s.text for s in motion.segments]), strict=True):
             window = round(segment.start_s * motion.fps), min(frames, round(segment.end_s * motion.fps))
             for part in parts:
                 wrong = _wrong(part.checks(signals, window))

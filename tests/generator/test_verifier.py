@@ -14,8 +14,8 @@ from generator.probes.measures import Measures
 from generator.probes.named import told
 from generator.probes.signals import Signals
 from generator.registry import SHARED_WEIGHTS
-from generator.self_check import ABSENT, FLIGHT, SelfCheck
 from generator.text.encoder import TextEncoder
+from generator.verifier import ABSENT, FLIGHT, Verifier
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
 
@@ -24,8 +24,8 @@ TURN: tuple[str, dict[str, Any]] = ("turn", {"angle": 90.0})
 
 
 @pytest.fixture(scope="module")
-def check() -> SelfCheck:
-    return SelfCheck.load(SHARED_WEIGHTS, TextEncoder())
+def check() -> Verifier:
+    return Verifier.load(SHARED_WEIGHTS, TextEncoder())
 
 
 def motion(*told_of: tuple[str, tuple[str, dict[str, Any]]]) -> HumanMotion:
@@ -72,17 +72,17 @@ def test_details_are_read_from_the_text(action: str, clause: str, details: Detai
         ("a person photosynthesises", [[]]),
     ],
 )
-def test_texts_mean_actions(check: SelfCheck, text: str, names: list[list[str]]) -> None:
-    (parts,) = check.asked([text])
+def test_texts_mean_actions(check: Verifier, text: str, names: list[list[str]]) -> None:
+    (parts,) = check.requirements([text])
     assert [list(part.actions) for part in parts] == names
 
 
-def test_motion_that_shows_its_texts(check: SelfCheck) -> None:
+def test_motion_that_shows_its_texts(check: Verifier) -> None:
     shown = motion(
         ("a person waves three times with the left hand", WAVE_LEFT),
         ("a person turns 90 degrees to the left", TURN),
     )
-    assert check.missing(shown) == ()
+    assert check.mismatches(shown) == ()
 
 
 @pytest.mark.parametrize(
@@ -93,26 +93,26 @@ def test_motion_that_shows_its_texts(check: SelfCheck) -> None:
         ("a person squats", "action"),
     ],
 )
-def test_what_is_missing_is_said(check: SelfCheck, text: str, wrong: str) -> None:
+def test_what_is_missing_is_said(check: Verifier, text: str, wrong: str) -> None:
     shown = motion(("a person turns 90 degrees to the left", TURN), (text, WAVE_LEFT))
-    (line,) = check.missing(shown)
+    (line,) = check.mismatches(shown)
     start, end = shown.segments[1].start_s, shown.segments[1].end_s
     assert line == f"{start:.1f} to {end:.1f} s: does not show the {wrong} of `{text}`"
 
 
-def test_feet_that_leave_the_floor_unasked_are_said(check: SelfCheck) -> None:
+def test_feet_that_leave_the_floor_unasked_are_said(check: Verifier) -> None:
     hop: tuple[str, dict[str, Any]] = ("jump", {"height": 0.2})
-    assert check.missing(motion(("a person jumps", hop))) == ()
+    assert check.mismatches(motion(("a person jumps", hop))) == ()
     shown = motion(("a person waves", WAVE_LEFT), ("a person bows", hop))
     start, end = shown.segments[1].start_s, shown.segments[1].end_s
-    assert f"{start:.1f} to {end:.1f} s: leaves the floor in `a person bows`" in check.missing(shown)
+    assert f"{start:.1f} to {end:.1f} s: leaves the floor in `a person bows`" in check.mismatches(shown)
     windows = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in shown.segments]
-    asked = check.asked(["a person waves", "a person photosynthesises"])
-    assert check.mistakes(Signals.of(shown.joints), windows, asked).tolist() == [0, 0], (
+    required = check.requirements(["a person waves", "a person photosynthesises"])
+    assert check.violations(Signals.of(shown.joints), windows, required).tolist() == [0, 0], (
         "of the unknown nothing is asked"
     )
-    asked = check.asked(["a person waves", "a person bows"])
-    assert check.mistakes(Signals.of(shown.joints), windows, asked).tolist() == [0, ABSENT + FLIGHT]
+    required = check.requirements(["a person waves", "a person bows"])
+    assert check.violations(Signals.of(shown.joints), windows, required).tolist() == [0, ABSENT + FLIGHT]
 
 
 @pytest.mark.parametrize("name", sorted(PROBES.keys() - {"stand_up"}))
@@ -124,16 +124,16 @@ def test_actions_that_fly_do_and_others_do_not(name: str) -> None:
     assert (flights > 0) == PROBES[name].flies
 
 
-def test_mistakes_of_each_segment(check: SelfCheck) -> None:
+def test_violations_of_each_segment(check: Verifier) -> None:
     shown = motion(("", WAVE_LEFT), ("", TURN))
     windows = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in shown.segments]
-    asked = check.asked(["a person squats", "a person turns 90 degrees to the right"])
-    found = check.mistakes(Signals.of(shown.joints), windows, asked)
+    required = check.requirements(["a person squats", "a person turns 90 degrees to the right"])
+    found = check.violations(Signals.of(shown.joints), windows, required)
     np.testing.assert_array_equal(found, [ABSENT, 1])
 
 
-def test_nothing_is_asked_of_an_unknown_text_or_too_short_a_time(check: SelfCheck) -> None:
+def test_nothing_is_asked_of_an_unknown_text_or_too_short_a_time(check: Verifier) -> None:
     shown = motion(("a person photosynthesises", WAVE_LEFT))
-    assert check.missing(shown) == ()
+    assert check.mismatches(shown) == ()
     signals = Signals.of(shown.joints)
-    assert check.mistakes(signals, [(0, 4)], check.asked(["a person squats"])).tolist() == [0]
+    assert check.violations(signals, [(0, 4)], check.requirements(["a person squats"])).tolist() == [0]
