@@ -3,8 +3,7 @@
 python benchmarks/ablation.py --dataset data/corpus --weights runs/small --out runs/ablation
 
 Every row is a mask transformer of one small size, trained for as many iterations on the same batches. OUT/ROW is a
-folder of weights for `launch.py evaluate --weights`, in which all rows share tokenizer and durations. The residual
-transformer is shared too and has no say: generation draws the base layer alone.
+folder of weights for `launch.py evaluate --weights`, in which all rows share tokenizer and durations.
 """
 
 import json
@@ -36,7 +35,7 @@ from ros_free_stack.files import make_folder, write_json
 
 SEGMENTATIONS: tuple[SegmentationKind, ...] = ("uniform", "change-point", "clustering", "exact")
 RESULT = "result.json"
-ALIKE = (f"{DEFAULT}/tokenizer", f"{DEFAULT}/residual", SHARED)
+ALIKE = (f"{DEFAULT}/tokenizer", SHARED)
 """What all rows share."""
 
 

@@ -2,7 +2,7 @@
 
 python -m benchmarks.generation_speed --threads 2
 
-Every variant replaces the layers of the mask and the residual transformer, is timed in turn with the plain eager
+Every variant replaces the layers of the transformers, is timed in turn with the plain eager
 float32 program (so that a change of the computer's load meets both), and is compared with it in what it draws from the
 same seed. Only "resampled where wrong", as the program does unless told otherwise, holds samples against the text.
 What a variant costs before its first motion is shown as its own column. ONNX Runtime is tried where it is installed
@@ -125,8 +125,10 @@ class Bench:
         )
         base = model.mask.generate(condition, model.settings, noise)
         laps.lap("mask steps")
-        tokens = model.residual.generate(base, condition, model.settings, noise)
-        laps.lap("residual layers")
+        tokens = base
+        if model.residual is not None:
+            tokens = model.residual.generate(base, condition, model.settings, noise)
+            laps.lap("residual layers")
         features = [model.tokenizer.decode(tokens[:, i : i + 1])[0].numpy() for i in range(candidates)]
         laps.lap("decode tokens")
         joints = [decode(rows) for rows in features]
@@ -141,7 +143,8 @@ class Bench:
         model = segmo(self.generator)
         mask, residual = copy.deepcopy(model.mask), copy.deepcopy(model.residual)
         for network in (mask, residual):
-            network.transformer = VARIANTS[name](network.transformer)  # pyright: ignore[reportAttributeAccessIssue]
+            if network is not None:
+                network.transformer = VARIANTS[name](network.transformer)  # pyright: ignore[reportAttributeAccessIssue]
         return replace(self.generator, model=replace(model, mask=mask, residual=residual))
 
 

@@ -24,8 +24,9 @@ class Train(Command):
     """Train a model of the generator; interrupt it at will and go on with --resume."""
 
     stage: Annotated[str, tyro.conf.Positional]
-    """Which model: for `segmo` tokenizer, mask, residual or grounding, of which the latter three need tokenizer, and
-    durations or evaluator, which serve all generators. `domain` lists the known texts. `all` does all."""
+    """Which model of the preset: tokenizer, or mask, residual and grounding, which need it (`segmo-layout` has no
+    residual, `momask` no grounding); durations or evaluator, which serve all generators. `domain` lists the known
+    texts. `all` does all."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""
     out: Path
@@ -63,7 +64,7 @@ class Train(Command):
         preset = preset.changed(self.set)
         torch.set_num_threads(self.threads)
         dataset, device = open_dataset(self.dataset), choose_device(self.device)
-        names = (*(stage.name for stage in stages(generator)), DOMAIN_STAGE)
+        names = (*(stage.name for stage in stages(generator) if stage.name in preset.stages), DOMAIN_STAGE)
         results: dict[str, dict[str, float]] = {}
         folders: dict[str, Path] = {}
         for stage in names if self.stage == "all" else (self.stage,):

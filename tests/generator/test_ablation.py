@@ -10,11 +10,9 @@ from benchmarks.ablation import Arguments, run, segmentation_rows, show
 from generator import weights
 from generator.config import Training
 from generator.datasets.authored import AuthoredCorpus
-from generator.models.segmo.config import TokenizerConfig, TokenizerLosses, TransformerConfig
+from generator.models.segmo.config import TokenizerConfig, TokenizerLosses
 from generator.models.segmo.model import SegMo
 from generator.models.segmo.objectives.tokenizer import TokenizerObjective
-from generator.models.segmo.parts import part_count
-from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.performer import Performer
 from generator.training.loop import Run, train
@@ -33,9 +31,6 @@ def arguments(tmp_path_factory: pytest.TempPathFactory) -> Arguments:
     objective = TokenizerObjective(dataset, config, training, TokenizerLosses(window=40), seed=0)
     own, shared = folder / "w" / "segmo", folder / "w" / "shared"
     train(objective, training, own / "tokenizer", Run(3))
-    residual = TransformerConfig(16, 1, 4, 32, dropout=0.0, codes=32, quantizers=2, parts=part_count(config.parts))
-    facts = {"tokenizer": weights.digest(own / "tokenizer")}
-    weights.save(make_folder(own / "residual"), residual, ResidualTransformer(residual), facts)
     durations = DurationsConfig(8)
     weights.save(make_folder(shared / "durations"), durations, DurationModel(durations), {})
     return Arguments(

@@ -10,7 +10,6 @@ from generator import weights
 from generator.datasets.dataset import MotionDataset
 from generator.models.segmo.config import TokenizerConfig, TransformerConfig
 from generator.models.segmo.mask_transformer import MaskTransformer
-from generator.models.segmo.residual_transformer import ResidualTransformer
 from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.nn.durations import DurationModel, DurationsConfig
 from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
@@ -18,7 +17,7 @@ from generator.registry import SHARED, find_preset
 from generator.settings import Preset
 from generator.training.stages import StageJob
 
-TRANSFORMERS = ("mask", "residual", "grounding")
+TRANSFORMERS = ("mask", "grounding")
 STAGES = ("tokenizer", *TRANSFORMERS, "durations", "evaluator")
 SMALLER = (
     *(f"tokenizer.model.{k}={v}" for k, v in {"width": 32, "encoder_width": 8, "depth": 1, "code_width": 8}.items()),
@@ -36,10 +35,13 @@ SMALLER = (
 """Changes to `segmo-layout`, as `train --set` takes them."""
 
 
+RESIDUAL = tuple(change.replace("mask.", "residual.", 1) for change in SMALLER if change.startswith("mask."))
+
+
 def tiny_preset(name: str = "segmo-layout", *changes: str) -> Preset:
     """A preset with models of a few thousand parameters."""
     _, preset = find_preset(name)
-    known = [change for change in SMALLER if change.partition(".")[0] in preset.stages]
+    known = [change for change in (*SMALLER, *RESIDUAL) if change.partition(".")[0] in preset.stages]
     return preset.changed((*known, *changes))
 
 
@@ -57,7 +59,7 @@ def write_tiny_models(folder: Path, *, quantizers: int = 3, width: int = 32) -> 
     torch.manual_seed(0)
     own, shared = folder / "segmo", folder / SHARED
     for place in (
-        *(own / name for name in ("tokenizer", "mask", "residual")),
+        *(own / name for name in ("tokenizer", "mask")),
         shared / "durations",
         shared / "evaluator",
     ):
@@ -71,7 +73,6 @@ def write_tiny_models(folder: Path, *, quantizers: int = 3, width: int = 32) -> 
     weights.save(own / "tokenizer", tokenizer, model, {})
     facts = {"tokenizer": weights.digest(own / "tokenizer")}
     weights.save(own / "mask", config, MaskTransformer(config), facts)
-    weights.save(own / "residual", config, ResidualTransformer(config), facts)
     weights.save(shared / "durations", DurationsConfig(8), DurationModel(DurationsConfig(8)), {})
     evaluator = EvaluatorConfig(16, 1, 4, 8)
     weights.save(shared / "evaluator", evaluator, MotionTextEvaluator(evaluator), {})

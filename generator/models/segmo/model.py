@@ -23,11 +23,14 @@ Model = TypeVar("Model", bound=nn.Module)
 
 @dataclass(frozen=True)
 class SegMo:
-    """The trained tokenizer and transformers; make one with `SegMo.load`."""
+    """The trained tokenizer and transformers; make one with `SegMo.load`.
+
+    `residual` is None where the base layer alone is sampled.
+    """
 
     tokenizer: MotionTokenizer
     mask: MaskTransformer
-    residual: ResidualTransformer
+    residual: ResidualTransformer | None
     name: str
     settings: SegmoSampling = field(default_factory=SegmoSampling)
 
@@ -45,9 +48,9 @@ class SegMo:
         condition, settings = Condition.of(text, clauses=self.mask.config.clauses), self.settings.told(sampling)
         given = None if known is None else self._tokens(known, condition)
         base = None if given is None else given[: self.mask.config.parts]
-        tokens = self.residual.generate(
-            self.mask.generate(condition, settings, noise, base), condition, settings, noise, given
-        )
+        tokens = self.mask.generate(condition, settings, noise, base)
+        if self.residual is not None:
+            tokens = self.residual.generate(tokens, condition, settings, noise, given)
         # Each at its own length, so that padding cannot reach it.
         return [
             Sample(self.tokenizer.decode(tokens[:, i : i + 1, :length])[0].float(), tokens[:, i, :length])
@@ -60,13 +63,16 @@ class SegMo:
 
     @classmethod
     def load(cls, folder: Path, *, device: str) -> Self:
-        """Read the three models.
+        """Read tokenizer, mask transformer and, where its layers are sampled, residual transformer.
 
         Raises:
             NoWeights: a model is not trained, or was trained with another tokenizer; the message says what to do.
         """
-        saved = {name: weights.load(folder / name, name) for name in ("tokenizer", "mask", "residual")}
-        for name in ("mask", "residual"):
+        saved = {name: weights.load(folder / name, name) for name in ("tokenizer", "mask")}
+        settings = from_json(SegmoSampling, saved["mask"].facts.get("sampling", {}))
+        if settings.layers > 1:
+            saved["residual"] = weights.load(folder / "residual", "residual")
+        for name in list(saved)[1:]:
             if saved[name].facts.get("tokenizer") != saved["tokenizer"].digest:
                 raise NoWeights(
                     f"{folder / name}: was trained with another tokenizer than the one in {folder}; "
@@ -80,9 +86,11 @@ class SegMo:
         return cls(
             fill("tokenizer", MotionTokenizer(saved["tokenizer"].config_as(TokenizerConfig))),
             fill("mask", MaskTransformer(saved["mask"].config_as(TransformerConfig))),
-            fill("residual", ResidualTransformer(saved["residual"].config_as(TransformerConfig))),
+            fill("residual", ResidualTransformer(saved["residual"].config_as(TransformerConfig)))
+            if "residual" in saved
+            else None,
             f"{folder.name} {saved['mask'].digest[:8]}",
-            from_json(SegmoSampling, saved["mask"].facts.get("sampling", {})),
+            settings,
         )
 
     def _tokens(self, known: Known, condition: Condition) -> Tensor:
