@@ -102,7 +102,7 @@ class LanguageModel:
         except _BadAnswer as problem:
             reading = self._fallback().read(prompt)
             warning = f"warning: {self._model} at {self._url} was of no use ({problem}); the splitter read the prompt"
-            return Reading(reading.segments, (warning, *reading.notes), fell_back=True)
+            return Reading(reading.segments, (warning, *reading.notes), reading.left_out, fell_back=True)
 
     def _ask(self, text: str) -> str:
         """The words that the model answers."""

@@ -8,11 +8,12 @@ from typing import Protocol
 class Reading:
     """One to five segment texts in temporal order; `notes` are lines for a person, such as corrected spelling.
 
-    `fell_back`: the preferred way of reading failed, a note says why.
+    `left_out` are the words that say what is not done; `fell_back`: the preferred way of reading failed, a note says why.
     """
 
     segments: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
     fell_back: bool = False
 
 

@@ -101,8 +101,7 @@ class Splitter:
             )
         if len(moments) > MAX_SEGMENTS:
             raise InvalidPrompt(f"it describes {len(moments)} actions in order, at most {MAX_SEGMENTS} are possible")
-        notes = (*corrections, *(f"left out {part!r}: no motion shows what is not done" for part in left_out))
-        return Reading(tuple(moment.text for moment in moments), notes)
+        return Reading(tuple(moment.text for moment in moments), corrections, left_out)
 
     def _clauses(self, text: str) -> list[Clause]:
         """The clauses; a text without a motion verb gets a subject, or "does" if it is a noun."""

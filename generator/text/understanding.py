@@ -1,27 +1,41 @@
-"""A raw prompt to segment texts that the model knows: check, split, compare with the training texts."""
+"""A raw prompt to what it asks for: check, split, read each segment as a frame, word it as the corpus does."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from generator.text.domain import Domain
+from generator.text.canonical import phrase, segment_texts, sentence
+from generator.text.domain import ALIKE, Domain
 from generator.text.encoder import TextEncoder
+from generator.text.frame import ActionFrame, Moment, Unknown
+from generator.text.frame_parser import moments
 from generator.text.llm import DEFAULT_MODEL, LanguageModel
 from generator.text.prompt import check_prompt
 from generator.text.reading import Segmenter
-from generator.text.splitter import Splitter
+from generator.text.splitter import PERSON, Splitter
+from ros_free_stack.errors import OutOfDomain
 
 DOMAIN = "domain.safetensors"
 
 
 @dataclass(frozen=True)
 class Understood:
-    """The segment texts of a prompt in temporal order, whether the model knows them all, and lines for a person."""
+    """What a prompt asks for.
+
+    Attributes:
+        segments: texts in the corpus's own words, in temporal order: what the motion model reads.
+        known: whether all of it is known.
+        notes: lines for a person.
+        moments: the frames of the segments.
+        not_shown: the words that no motion will show.
+    """
 
     segments: tuple[str, ...]
     known: bool
     notes: tuple[str, ...] = ()
+    moments: tuple[Moment, ...] = ()
+    not_shown: tuple[str, ...] = ()
 
 
 def segmenter(llm: str | None = None, llm_model: str = DEFAULT_MODEL) -> Segmenter:
@@ -51,24 +65,50 @@ class Understanding:
 
         Args:
             prompt: a sentence.
-            anyway: go on with unknown segments.
+            anyway: go on with what is known of it, and with unknown segments in their own words.
 
         Raises:
-            InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
-            OutOfDomain: a segment is unknown to the model.
+            InvalidPrompt: the prompt is empty, too long, not English, has too many actions or an amount out of range.
+            OutOfDomain: an action is unknown to the model.
             InvalidFile: the known texts are missing.
         """
         reading = self._segmenter.read(check_prompt(prompt))
-        if not anyway:
-            self._domain.check(reading.segments)
-            return Understood(reading.segments, True, reading.notes)
-        known = bool((self._domain.similarity(reading.segments) >= self._domain.threshold).all())
-        return Understood(reading.segments, known, reading.notes)
+        found = [self._looked_up(moment) for moment in moments(reading.segments)]
+        unknown = [part for moment in found for part in moment.unknown]
+        if unknown and not anyway:
+            raise OutOfDomain(unknown[0].text, self._near(unknown[0]))
+        texts = segment_texts(found)
+        not_shown = tuple(words.text for moment in found for words in moment.not_shown)
+        lost = (*not_shown, *(part.text for part in unknown), *reading.left_out)
+        notes = (
+            *reading.notes,
+            f"understood: {sentence(texts).removeprefix(f'{PERSON} ')}",
+            *(f"not shown: {words!r}" for words in lost),
+        )
+        return Understood(texts, not unknown, notes, tuple(found), lost)
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
         """What `read` understands, without its notes."""
         understood = self.read(prompt, anyway=anyway)
         return understood.segments, understood.known
+
+    def _looked_up(self, moment: Moment) -> Moment:
+        """A moment whose unknown words were compared with the known texts, unless it is said that they are unknown."""
+        actions, unknown = list(moment.actions), list[Unknown]()
+        for part in moment.unknown:
+            clause = f"{PERSON} {part.clause}"
+            names = () if part.near or not part.clause else self._domain.meant([clause])[0]
+            if names and float(self._domain.similarity([clause])[0]) >= self._domain.threshold:
+                actions.append(ActionFrame(names[0], words=part.clause, confidence=ALIKE))
+            else:
+                unknown.append(part)
+        return replace(moment, actions=tuple(actions), unknown=tuple(unknown))
+
+    def _near(self, part: Unknown) -> tuple[str, ...]:
+        """Known actions near in meaning, in the corpus's words."""
+        if part.near:
+            return tuple(f"{PERSON} {phrase(ActionFrame(name)).third}" for name in part.near)
+        return self._domain.nearest(f"{PERSON} {part.clause or part.text}")
 
     @cached_property
     def _segmenter(self) -> Segmenter:

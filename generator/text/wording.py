@@ -2,6 +2,7 @@
 
 import re
 
+from generator.text.amounts import plain_amounts
 from generator.text.inflection import FINITE_FORMS, GERUNDS, PARTICIPLES, gerund, third_person, word_set
 
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
@@ -80,7 +81,7 @@ _DURING = re.compile(r"\bduring (?=(?:an?|the|some)\b)")
 
 def plain_wording(prompt: str) -> str:
     """Lower case, one spelling of counts ("twice", "three times"), of "then", "while" and "simultaneously"."""
-    text = prompt.lower().replace("’", "'").strip()
+    text = plain_amounts(prompt.lower().replace("’", "'").strip())
     for pattern, plain in _SYMBOLS:
         text = pattern.sub(plain, text)
     text = _LEAD_INS.sub("", " ".join(text.split()).strip(" .,;"))
