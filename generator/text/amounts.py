@@ -42,7 +42,7 @@ _TABLE: tuple[tuple[Kind, dict[str, float]], ...] = (
     ("angle", _ANGLES),
 )
 _MEASURES: tuple[tuple[Kind, re.Pattern[str], float], ...] = tuple(
-    (kind, re.compile(rf"(?<![\w.])({NUMBER})[ -]?(?:{unit})(?![\w'])"), scale)
+    (kind, re.compile(rf"(?<![\w.])({NUMBER})(?:(?<=\d)[ -]?|[ -])(?:{unit})(?![\w'])"), scale)
     for kind, table in _TABLE
     for unit, scale in table.items()
 )

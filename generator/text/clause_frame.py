@@ -47,6 +47,11 @@ def action_frame(clause: ClauseTokens, match: Match) -> ActionFrame:
         amounts=dict(clause.amounts),
         options={**match.options, **match.row.options},
         words=clause.text,
+        objects=tuple(
+            clause.tokens[i].text
+            for i in sorted((*match.objects, *match.left))
+            if i < clause.compared and not clause.tokens[i].text.endswith("ly")
+        ),
         confidence=len(match.explained) / meaning if meaning else 1.0,
     )
 
@@ -140,7 +145,7 @@ def _details(match: Match, clause: ClauseTokens) -> None:
                 match.explained.add(i)
         if token.among(lists["size"]):
             match.explained.add(i)
-        if token.among(match.row.allowed):
+        if token.among(match.row.allowed) or any(token.among(group) for group in match.row.needed):
             match.explained.add(i)
             if token.lemma in {"lower"}:
                 match.options["lower"] = "yes"

@@ -74,6 +74,7 @@ class Clause:
 def clauses(doc: "Doc") -> list[Clause]:
     """The clauses of a parsed text in the order of writing; none where it has no verb."""
     heads = [token for token in doc if _is_head(token) and not _is_object(token)]
+    heads = [head for place, head in enumerate(heads) if not (place and _is_done(head, heads[place - 1]))]
     starts = [_start(head) for head in heads]
     found: list[Clause] = []
     for place, head in enumerate(heads):
@@ -104,7 +105,20 @@ def clauses(doc: "Doc") -> list[Clause]:
     return found
 
 
+def other_subject(doc: "Doc") -> Clause | None:
+    """The clause of a text whose subject is neither a person nor a limb ("the horse kicks"), None for any other."""
+    root = next(token for token in doc if token.dep_ == "ROOT")
+    subject = next((child for child in root.children if child.dep_ == "nsubj" and child.tag_ in {"NN", "NNS"}), None)
+    if root.tag_ not in _FINITE_TAGS or subject is None or subject.i > root.i:
+        return None
+    if subject.text in PEOPLE | LIMBS or subject.text in FINITE_FORMS:
+        return None
+    return Clause(_words(doc, 0, root.i), "", root.lemma_, _words(doc, root.i + 1, len(doc)))
+
+
 def _is_head(token: "Token") -> bool:
+    if _governor(token) == "or" and token.text not in FINITE_FORMS and token.text not in GERUNDS:
+        return False
     if token.text in _NEVER_VERBS or _names_exercise(token) or any(child.dep_ == "auxpass" for child in token.children):
         return False
     if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS | {"VBG"}):
@@ -130,6 +144,12 @@ def _is_object(token: "Token") -> bool:
     start = _start(token)
     subject = start < token.i and token.doc[start].text != SUBJECT and token.doc[start].dep_ not in _BEFORE_VERB
     return subject and start > 0 and token.doc[start - 1].text not in _CONNECTIVES
+
+
+def _is_done(token: "Token", previous: "Token") -> bool:
+    """A noun that was parsed as a verb after "does": "does walking lunges", "performs bicep curls"."""
+    between = {word.text for word in token.doc[previous.i + 1 : token.i]}
+    return previous.lemma_ in {"do", "perform"} and not between & (_CONNECTIVES | {SUBJECT, "to"})
 
 
 def _is_auxiliary(token: "Token") -> bool:

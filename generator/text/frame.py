@@ -54,7 +54,8 @@ class ActionFrame:
         speed: "slow" or "fast".
         amounts: of each kind at most one.
         options: further words that choose a wording ("lower": "yes").
-        words: those of the prompt that said it.
+        words: the clause that said it.
+        objects: words in it for things of which the lexicon does not know whether they change what is meant.
         span: from the first to the last of them in the prompt, where they were found there.
         confidence: share of the words that mean something that the frame explains, 0 to 1.
     """
@@ -66,6 +67,7 @@ class ActionFrame:
     amounts: Mapping[Kind, Amount] = field(default_factory=dict[Kind, Amount])
     options: Mapping[str, str] = field(default_factory=dict[str, str])
     words: str = ""
+    objects: tuple[str, ...] = ()
     span: Span | None = None
     confidence: float = 1.0
 

@@ -34,6 +34,11 @@ _MANNERS_AND_THINGS = word_set(
 _WORD = re.compile(r"(?<![\w'’-])[A-Za-z]+(?![\w'’-])")
 
 
+_PARTICLES = "around|about|forwards?|backwards?|back|down|up|left|right|again|once|twice|slowly|the"
+_JOINED = re.compile(rf"({'|'.join(sorted((f for f in FINITE_FORMS if len(f) > 2), key=len, reverse=True))})({_PARTICLES})")
+_DETERMINED = re.compile(r"(?:^|[\s,])(?:an?|the|one|this|that|some|his|her|their|your|no|any)\s+(?:\w+\s+)?$")
+
+
 @dataclass(frozen=True)
 class Dictionary:
     """English words: the tables of spaCy's rule lemmatizer, each by part of speech."""
@@ -71,6 +76,12 @@ def known_words() -> frozenset[str]:
     return english_words() | _MANNERS_AND_THINGS
 
 
+def parted(word: str) -> str:
+    """ "turnaround", "walkforward" as two words; any other word as it is."""
+    found = _JOINED.fullmatch(word)
+    return f"{found[1]} {found[2]}" if found else word
+
+
 def corrected(text: str, dictionary: Dictionary) -> tuple[str, tuple[str, ...]]:
     """The text with its typing errors put right, and one note for each: "read 'jmups' as 'jumps'"."""
     notes: list[str] = []
@@ -78,6 +89,10 @@ def corrected(text: str, dictionary: Dictionary) -> tuple[str, tuple[str, ...]]:
     def put_right(found: re.Match[str]) -> str:
         written = found.group()
         word = written.lower()
+        noun = _DETERMINED.search(text[: found.start()])
+        if parted(word) != word and not noun:
+            notes.append(f"read {written!r} as {parted(word)!r}")
+            return parted(word)
         meant = word if _is_name(written, text) or word in dictionary else nearest_known(word)
         if meant == word:
             return written

@@ -7,7 +7,7 @@ Temporal order ("bows after waving" is wave, bow), details kept ("twice", "slowl
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from generator.text.clauses import Clause, Link, clauses
+from generator.text.clauses import Clause, Link, clauses, other_subject
 from generator.text.inflection import third_person, word_set
 from generator.text.negation import without_negations
 from generator.text.prompt import check_prompt
@@ -111,7 +111,10 @@ class Splitter:
         first, _, rest = text.partition(" ")
         following = rest.partition(" ")[0]
         if self._dictionary.is_form(first, "verb") and (not rest or following in _AFTER_A_VERB):
-            return clauses(self._parse(f"he {third_person(first)} {rest}"))
+            third = first.endswith("s") and not first.endswith("ss")
+            return clauses(self._parse(f"he {first if third else third_person(first)} {rest}"))
+        if (other := other_subject(self._parse(text))) is not None:
+            return [other]
         doc: Doc = self._parse(f"he does {text}")
         singular = doc[-1].tag_ == "NN" and first not in _DETERMINERS and not first.isdigit()
         return clauses(self._parse(f"he does a {text}") if singular else doc)

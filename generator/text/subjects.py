@@ -46,6 +46,8 @@ _CLOSERS = word_set(
 )
 _CLOSING_OBJECTS = LIMBS | {"it", "them"}
 _DETERMINERS = word_set("a an the one two three four five some his her their your")
+_LIGHT = word_set("do perform try go start begin keep practise practice come get make take give have continue")
+_COMPOUND = word_set("squat jump kick step turn lunge hop push pull press punch skip")
 _EXERCISES = word_set("does do doing performs takes throws makes gives")
 
 
@@ -78,7 +80,7 @@ def with_subjects(text: str) -> str:
             out.append(third_person(base))
             gerunds_are_verbs = word in GERUNDS
             form = form or _form(word)
-        elif form and _form(word) == form and _runs_on(words, place):
+        elif form and _form(word) == form and (_runs_on(words, place) or _verb_after_verb(out, word)):
             out += [",", SUBJECT, third_person(FINITE_FORMS[word])]
         else:
             out.append(word)
@@ -101,6 +103,14 @@ def _runs_on(words: list[str], place: int) -> bool:
         return not _EXERCISES & set(words[:place]) and place + 1 < len(words)
     to_the_side = words[place - 3 : place - 1] in (["to", "the"], ["on", "the"], ["to", "his"], ["to", "her"])
     return before in _CLOSERS and (earlier not in _DETERMINERS or to_the_side)
+
+
+def _verb_after_verb(out: list[str], word: str) -> bool:
+    """ "wave | bow", "stop | turn around"; not "jump | kick", "try | walking"."""
+    if len(out) < 2 or out[-2] != SUBJECT or word in LIMBS:
+        return False
+    first, second = FINITE_FORMS.get(out[-1], ""), FINITE_FORMS.get(word, "")
+    return bool(first) and first not in _LIGHT and not (first in _COMPOUND and second in _COMPOUND)
 
 
 def _gerunds_are_verbs_after(word: str, so_far: bool) -> bool:

@@ -93,8 +93,13 @@ class Understanding:
         return understood.segments, understood.known
 
     def _looked_up(self, moment: Moment) -> Moment:
-        """A moment whose unknown words were compared with the known texts, unless it is said that they are unknown."""
-        actions, unknown = list(moment.actions), list[Unknown]()
+        """A moment whose uncertain clauses were compared with the known texts: unknown words, and unknown objects."""
+        actions, unknown = list[ActionFrame](), list[Unknown]()
+        for frame in moment.actions:
+            clause = f"{PERSON} {frame.words}"
+            if frame.objects and float(self._domain.similarity([clause])[0]) < self._domain.threshold:
+                unknown.append(Unknown(frame.words, (frame.action,), frame.words))
+            actions.append(frame)
         for part in moment.unknown:
             clause = f"{PERSON} {part.clause}"
             names = () if part.near or not part.clause else self._domain.meant([clause])[0]

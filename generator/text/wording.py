@@ -3,13 +3,16 @@
 import re
 
 from generator.text.amounts import plain_amounts
+from generator.text.ellipsis import completed, described
 from generator.text.inflection import FINITE_FORMS, GERUNDS, PARTICIPLES, gerund, third_person, word_set
+from generator.text.spoken import motion_words
 
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 NUMBER = "|".join((*_NUMBERS, *map(str, range(len(_NUMBERS)))))
 
 PEOPLE = word_set(
     """
+    bot dude humanoid op3 g1 h1 t1 toddler lad fellow avatar mannequin
     person man woman guy boy girl lady gentleman human humanoid individual figure character robot actor dancer kid
     child stickman subject male female someone somebody he she it they you we i one
     people men women guys boys girls ladies gentlemen humans individuals figures persons dancers robots
@@ -21,18 +24,6 @@ SUBJECT = "he"
 
 _VERBS = "|".join(sorted(FINITE_FORMS, key=len, reverse=True))
 _PRONOUN = r"(?:he|she|it|they|you|we|i|one|someone|(?:the|a) (?:person|man|woman|robot|figure|guy|human))"
-_LEAD_INS = re.compile(
-    r"^(?:(?:please|kindly|ok|okay|hey|hi|hello|now|so|robot|just|"
-    r"(?:can|could|would|will) (?:you|u)|you (?:should|must|have to|need to)|"
-    r"i(?: would|'d)? (?:want|like|need) "
-    r"(?:you|him|her|it|them|someone|somebody|(?:the|a) (?:robot|person|man|woman)) to|"
-    r"(?:make|let|have) (?:him|her|it|them|the robot|(?:a|the) (?:person|man|woman|figure))|let's|try to|"
-    r"(?:tell|ask|order|command|get) (?:him|her|it|them|(?:a|the) (?:robot|person|man|woman|figure)) to|"
-    r"(?:show|generate|create|simulate|animate)(?: me)?(?= (?:a|an|the|some)\b)|"
-    r"i(?: would|'d)? (?:want|like)(?: to see)?(?= (?:a|an|the|some)\b)|"
-    r"(?:an? |the )?(?:motion|animation|video|clip) (?:of|showing|in which))[, ]+)+"
-)
-_FILLERS = re.compile(r"(,?) ?\b(?:please|kindly|maybe|perhaps|um+|uh+|er+m*|simply|basically|just)\b,?")
 _SYMBOLS = (
     (re.compile(r"\s*(?:->|=>|→|>)\s*"), " then "),
     (re.compile(r"\s*[&+]\s*"), " and "),
@@ -81,11 +72,10 @@ _DURING = re.compile(r"\bduring (?=(?:an?|the|some)\b)")
 
 def plain_wording(prompt: str) -> str:
     """Lower case, one spelling of counts ("twice", "three times"), of "then", "while" and "simultaneously"."""
-    text = plain_amounts(prompt.lower().replace("’", "'").strip())
+    text = plain_amounts(motion_words(prompt.lower().replace("’", "'")))
     for pattern, plain in _SYMBOLS:
         text = pattern.sub(plain, text)
-    text = _LEAD_INS.sub("", " ".join(text.split()).strip(" .,;"))
-    text = _lead_in_and_fillers(text)
+    text = described(" ".join(text.split()).strip(" .,;"))
     text = _FIRST.sub(r"\1", text)
     text = _BUT_FIRST.sub(r"\2 . then \1", text)
     text = _HEDGES.sub(lambda found: "is " if found.group().endswith("be ") else "", text)
@@ -96,13 +86,8 @@ def plain_wording(prompt: str) -> str:
         text = pattern.sub(plain, text)
     text = _STARTS_BY.sub(_starts_by, _HAVING.sub(_having, _PERFECT.sub(_perfect, text)))
     text = _DURING.sub("while doing ", text)
-    return " ".join(_TIMES.sub(_count, text.replace("thrice", "three times")).split()).strip(" .,;")
-
-
-def _lead_in_and_fillers(text: str) -> str:
-    """Fillers may hide a lead-in ("um, could you"), so lead-ins are looked for again."""
-    without = " ".join(_FILLERS.sub(r"\1 ", text).split()).strip(" .,;")
-    return _LEAD_INS.sub("", without) or text
+    text = " ".join(_TIMES.sub(_count, text.replace("thrice", "three times")).split()).strip(" .,;")
+    return completed(text)
 
 
 def _count(found: re.Match[str]) -> str:
