@@ -118,7 +118,7 @@ def _is_light(clause: ClauseTokens) -> bool:
 def _find(words: set[str] | frozenset[str], clause: ClauseTokens, used: set[int]) -> set[int]:
     """Places of the first of the words that stands there and is not used yet; "a_b" is two words in a row."""
     for i, token in enumerate(clause.tokens):
-        if i not in used and token.among(words):
+        if i not in used and i not in clause.told_sides and token.among(words):
             return {i}
     for compound in (word.split("_") for word in words if "_" in word):
         for i in range(len(clause) - len(compound) + 1):
@@ -182,13 +182,13 @@ def _side(match: Match, clause: ClauseTokens) -> str:
 
 def _way(match: Match, clause: ClauseTokens, choices: tuple[Way, ...]) -> str:
     """The first of the ways that the words say, in the order of the table."""
-    taken = {i for limb in clause.limbs for i in limb.told_by}
-    free = [i for i in range(len(clause)) if i not in taken and i not in clause.measured]
+    free = [i for i in range(len(clause)) if i not in clause.told_sides and i not in clause.measured]
     for way in choices:
         for words in way.words:
             places = [next((i for i in free if clause.tokens[i].among({word})), -1) for word in words]
             if min(places) >= 0:
-                match.explained |= set(places)
+                single = {word for words in way.words if len(words) == 1 for word in words}
+                match.explained |= {*places, *(i for i in free if clause.tokens[i].among(single))}
                 return way.name
     return ""
 
@@ -198,9 +198,7 @@ def _leave(match: Match, clause: ClauseTokens) -> None:
     lists = word_lists()
     wild = ANY in match.row.allowed
     for i, token in enumerate(clause.tokens):
-        if i in match.explained or token.text in lists["neutral"] or token.lemma in lists["neutral"]:
-            continue
-        if i != clause.head and token.lemma in lists["light"] and i == clause.head:
+        if i in match.explained or i >= clause.purpose or token.among(lists["neutral"]):
             continue
         if i == clause.head and token.lemma in lists["light"]:
             continue

@@ -13,6 +13,7 @@ from generator.text.lexicon import lemma, verbs, word_lists
 ARMS = frozenset({"hand", "arm", "fist", "elbow", "palm", "finger"})
 LEGS = frozenset({"leg", "foot", "knee", "heel"})
 SIDES = frozenset({"left", "right"})
+_BOTH = frozenset({"both", "two"})
 _WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*")
 _BETWEEN = frozenset({"the", "his", "her", "their", "your", "its", "my", "of", "and", "own", "a"})
 _COMPARISONS = (("like",), ("as", "if"), ("as", "though"), ("in", "the", "style"), ("resembling",), ("imitating",))
@@ -92,6 +93,24 @@ class ClauseTokens:
         """The named limbs in the order of the words."""
         return tuple(self._limb(i) for i, token in enumerate(self.tokens) if token.lemma in word_lists()["limbs"])
 
+    @cached_property
+    def told_sides(self) -> frozenset[int]:
+        """Places of the words that say the side of a limb."""
+        return frozenset(i for limb in self.limbs for i in limb.told_by if self.tokens[i].text in SIDES)
+
+    @cached_property
+    def purpose(self) -> int:
+        """Where a purpose that adds no motion begins ("to look for it"), the length where there is none."""
+        verbs_of_purpose = word_lists()["purpose"]
+        return next(
+            (
+                i
+                for i in range(1, len(self) - 1)
+                if self.tokens[i].text == "to" and self.tokens[i + 1].text in verbs_of_purpose
+            ),
+            len(self),
+        )
+
     def finite(self, place: int) -> bool:
         """Whether the word at a place may be a finite verb form other than a base."""
         text = self.tokens[place].text
@@ -105,13 +124,13 @@ class ClauseTokens:
         """The limb at a place, with the words of its side before it ("both of the hands", "left or right hand")."""
         told: list[int] = []
         i = place - 1
-        while i >= 0 and self.tokens[i].text in (_BETWEEN | SIDES | {"both", "or", "one", "other"}):
-            if self.tokens[i].text in SIDES | {"both"}:
+        while i >= 0 and self.tokens[i].text in (_BETWEEN | SIDES | _BOTH | {"or", "one", "other"}):
+            if self.tokens[i].text in SIDES | _BOTH:
                 told.append(i)
             i -= 1
         words = {self.tokens[i].text for i in told}
         plural = self.tokens[place].text not in {self.tokens[place].lemma} and "one" not in self._before(place, 3)
-        side = "both" if "both" in words or words == SIDES or (plural and not words) else "".join(words)
+        side = "both" if _BOTH & words or words == SIDES or (plural and not words) else "".join(words)
         return Limb(place, self.tokens[place].lemma, side, tuple(told))
 
     def _before(self, place: int, count: int) -> set[str]:

@@ -10,7 +10,7 @@ _PEOPLE = r"(?:person|man|woman|guy|girl|boy|robot|figure|someone|somebody|human
 _UNIT = r"(?:met(?:er|re)s?|centimet(?:er|re)s|steps?|paces?|degrees)"
 _AMOUNT = rf"(?:(?:{NUMBER} (?:more )?{_UNIT}|again) )?"
 _SIDE = r"(?:(?:to|towards) (?:the|his|her|their|your|its) )?(?:left|right)(?: side| direction)?"
-_WAY = rf"(?:{_SIDE}|back(?:wards?)?|forwards?|ahead|sideways|up|down)"
+_WAY = rf"(?:(?:back )?{_SIDE}|back(?:wards?)?|forwards?|ahead|sideways|up|down)"
 _LINK = r"(?:,? (?:and )?then (?:again )?|, and |, | and )"
 _TRAVELS: Final = word_set("walk step run jog go move jump hop pace turn sidestep shuffle lean march take rotate spin")
 _TURNS: Final = word_set("look point lean glance gaze kick punch")
@@ -21,7 +21,7 @@ _FORMS = sorted(
 )
 _SECOND_WAY = re.compile(
     rf"\b(?P<verb>{'|'.join(_FORMS)})\b(?P<mid>(?: (?!and\b|then\b|after\b|before\b|while\b|as\b)[\w'-]+){{0,6}}?)"
-    rf" (?P<way>{_WAY})(?P<link>{_LINK})(?P<second>{_AMOUNT}{_WAY})(?=$|[.,;]| (?:and|then|again)\b)"
+    rf" (?P<way>{_WAY})(?P<link>{_LINK})(?P<second>{_AMOUNT}{_WAY})(?=$|[.,;]| (?:and|then|again)\b| to (?:the|his|her|their|its|where) (?!left|right))"
 )
 _STEPS = re.compile(rf"\b{NUMBER} (?:\w+ )?steps?\b|\bsteps?\b")
 _WITH_OBJECT = word_set("arm arms hand hands head torso waist body upper hips hip weight leg legs side one")
@@ -48,6 +48,7 @@ _HELD_LIMBS = re.compile(
     r"(up|down|on|above|over|behind|out|crossed|folded|together|in front|in the air|akimbo|at)(?= |$)(?!\w* (?:walks|waves))"
 )
 _VIEWER = re.compile(r"\b(?:viewer's |our |the camera's )?(?P<side>left|right)(?P<limb> (?:hand|arm|leg|foot|knee))? \((?:our|your|my|the viewer's|viewer's|the person's|screen)[^)]*\)")
+_AS_IF = re.compile(rf"\b(?:like|as if|as though) (?:{_PEOPLE}|they|it) (?:is|are|was|were) ([a-z]+)")
 _BEGINS = re.compile(r"\b(?P<who>standing(?: still| in place| there)?|sitting|kneeling) (?:begins?|starts?) to (?P<verb>[a-z]+)")
 _HYPHENED = re.compile(r"\b(counter|anti)[ -]clock ?wise\b")
 
@@ -61,6 +62,7 @@ def described(text: str) -> str:
     text = _HYPHENED.sub(r"counterclockwise", text)
     text = _LIMB_FIRST.sub(r"\g<verb> with the \g<limb>", text)
     text = _HELD_LIMBS.sub(lambda found: f"{found[1]}{'raise' if found[3] == 'up' else 'hold'} {found[2]} {found[3]}", text)
+    text = _AS_IF.sub(r"as if \1", text)
     text = _RELATIVE.sub(_relative, text)
     text = _WHO.sub(lambda found: found["who"] if _verb_follows(text, found.end()) else found.group(), text)
     text = _ATTRIBUTE.sub(r"\g<who> \g<verb>\g<rest> \g<with>", text)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from generator.text.clause_frame import action_frame, best_matches, left_over, unknown_action
+from generator.text.clause_parts import apart, with_purpose
 from generator.text.clause_tokens import ClauseTokens
 from generator.text.frame import ActionFrame, Amount, Moment, Unknown, Words
 from generator.text.inflection import FINITE_FORMS, GERUNDS, third_person
@@ -44,23 +45,39 @@ def _moment(words: str, clauses: Sequence[str], before: Sequence[Moment]) -> Mom
     actions: list[ActionFrame] = []
     not_shown: list[Words] = []
     unknown: list[Unknown] = []
-    for text in clauses:
+    for text in (part for clause in clauses for part in apart(clause)):
         clause = ClauseTokens(text)
         best, match = best_matches(clause)
         if best is None or best is not match:
             unknown.append(unknown_action(clause, best))
         if match is None:
             continue
-        actions.append(_fitting(action_frame(clause, match), clause, before))
+        _add(actions, _fitting(action_frame(clause, match), clause, before))
         not_shown += [Words(phrase) for phrase in left_over(clause, match)]
     return Moment(words, tuple(actions), tuple(not_shown), tuple(unknown))
+
+
+def _add(actions: list[ActionFrame], frame: ActionFrame) -> None:
+    """One action that is told twice stays one: "makes a turn pivoting to the left"."""
+    for place, other in enumerate(actions):
+        if other.action == frame.action and (other.side == frame.side or not frame.side):
+            actions[place] = replace(
+                other,
+                way=other.way or frame.way,
+                speed=other.speed or frame.speed,
+                amounts={**frame.amounts, **other.amounts},
+                words=f"{other.words} {frame.words}",
+                objects=(*other.objects, *frame.objects),
+            )
+            return
+    actions.append(frame)
 
 
 def _in_order(main: str) -> list[str]:
     """The clause, or its parts joined by "and" where no row reads it whole."""
     pieces = _finite_pieces(main)
     if len(pieces) == 1:
-        return [main]
+        return with_purpose(main)
     _, whole = best_matches(ClauseTokens(main))
     parts = [best_matches(ClauseTokens(piece))[1] for piece in pieces]
     if whole is not None and (not whole.left or any(part is None for part in parts)):
@@ -109,7 +126,8 @@ def _fitting(frame: ActionFrame, clause: ClauseTokens, before: Sequence[Moment])
             frame = _turned(frame, 2 * AROUND)
         elif words & {"around", "round"} and not lemmas & {"spin", "whirl", "twirl"}:
             frame = _turned(frame, AROUND)
-    if frame.action == "walk" and "back" in words and _has_turned(before):
+    onward = frame.action in {"walk", "jog", "step"} and frame.way in {"backward", ""}
+    if onward and "back" in words and not words & {"backward", "backwards"} and _has_turned(before):
         frame = replace(frame, way="forward")
     return frame
 

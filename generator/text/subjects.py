@@ -80,7 +80,7 @@ def with_subjects(text: str) -> str:
             out.append(third_person(base))
             gerunds_are_verbs = word in GERUNDS
             form = form or _form(word)
-        elif form and _form(word) == form and (_runs_on(words, place) or _verb_after_verb(out, word)):
+        elif form and _form(word) in {form, "base"} and _runs_on_here(out, words, place, form):
             out += [",", SUBJECT, third_person(FINITE_FORMS[word])]
         else:
             out.append(word)
@@ -103,6 +103,11 @@ def _runs_on(words: list[str], place: int) -> bool:
         return not _EXERCISES & set(words[:place]) and place + 1 < len(words)
     to_the_side = words[place - 3 : place - 1] in (["to", "the"], ["on", "the"], ["to", "his"], ["to", "her"])
     return before in _CLOSERS and (earlier not in _DETERMINERS or to_the_side)
+
+
+def _runs_on_here(out: list[str], words: list[str], place: int, form: str) -> bool:
+    word = words[place]
+    return _runs_on(words, place) or (_form(word) == form and _verb_after_verb(out, word))
 
 
 def _verb_after_verb(out: list[str], word: str) -> bool:
