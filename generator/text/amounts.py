@@ -58,10 +58,15 @@ _TIMES = re.compile(rf"\b(?:({'|'.join(_ADVERBS)})(?! again| more)|({PLAIN}|a th
 _LIMBS = (
     "hands|arms|fists|fingers|elbows|legs|feet|knees|heels|toes|shoulders|palms|hand|arm|fist|leg|foot|knee|heel|finger"
 )
-_NOT_COUNTED = rf"{_LIMBS}|degrees?|seconds?|milliseconds|met(?:er|re)s?|centimet(?:er|re)s|inch(?:es)?|people|persons?|"
-_NOT_COUNTED += r"sides?|places?|directions?|objects?|things?|drums?|box(?:es)?|balls?|weights?|dumbbells?|at|by|after|"
-_NOT_COUNTED += r"more|another|other|spot|of|to|and|or|in|on|hundred|way|man|woman|foot|minutes?|hours?|quarter|half"
-_SEVERAL = re.compile(rf"\b({PLAIN}|one|a single)(?= (?!(?:\w+ )?(?:{_NOT_COUNTED})\b)[a-z])")
+_NOT_COUNTED = (
+    rf"{_LIMBS}|degrees?|seconds?|milliseconds|met(?:er|re)s?|centimet(?:er|re)s|inch(?:es)?|people|persons?|sides?|"
+    r"places?|directions?|objects?|things?|drums?|box(?:es)?|balls?|weights?|dumbbells?|spot|way|man|woman|minutes?|"
+    r"hours?|quarter|half"
+)
+_NO_NOUN = "at|by|after|more|another|other|of|to|and|or|in|on|hundred|thousand|with|for|foot"
+_SEVERAL = re.compile(
+    rf"\b({PLAIN}|one|a single)(?= (?!(?:{_NO_NOUN})\b)(?!(?:\w+ )?(?:{_NOT_COUNTED})\b)[a-z])"
+)
 _DECIMAL = re.compile(r"\d[.,]\d|half|quarter|third|tenth")
 _NEAR_FEET = re.compile(r"(?:with|on|both|using|his|her|their|your|the)\s+(?:\w+\s+)?$")
 

@@ -42,7 +42,8 @@ def sentence(texts: Sequence[str]) -> str:
 def phrase(frame: ActionFrame) -> Phrase:
     """An action as the corpus words it, its verbs marked."""
     words = actions()[frame.action]
-    text = _OPTIONAL.sub(lambda found: _filled(found[1], frame, optional=True), words.wording)
+    wording = words.wording if frame.count is None else words.counted
+    text = _OPTIONAL.sub(lambda found: _filled(found[1], frame, optional=True), wording)
     speed = _SPEEDS.get(frame.speed, "")
     return Phrase(tidy(f"{_filled(text, frame)} {speed}").strip())
 
@@ -63,7 +64,7 @@ def _slot(name: str, noun: str, frame: ActionFrame, *, named: bool) -> str:
     if name == "times":
         return _times(frame.count)
     if name == "some":
-        return article(noun) if frame.count in (None, 1) and frame.action == "step" else _some(noun, frame.count)
+        return _some(noun, frame.count or 1)
     if name == "lower":
         return f"and <lower> {'them' if frame.side == 'both' else 'it'}" if "lower" in frame.options else ""
     return _turn(frame) if frame.action == "turn" else _way(frame, named=named)
@@ -83,8 +84,8 @@ def _times(count: int | None) -> str:
     return {1: "once", 2: "twice"}.get(count, f"{number(count)} times")
 
 
-def _some(noun: str, count: int | None) -> str:
-    return plural(noun) if count is None else article(noun) if count == 1 else f"{number(count)} {plural(noun)}"
+def _some(noun: str, count: int) -> str:
+    return article(noun) if count == 1 else f"{number(count)} {plural(noun)}"
 
 
 def _way(frame: ActionFrame, *, named: bool) -> str:

@@ -104,7 +104,7 @@ def _verb(row: Row, clause: ClauseTokens) -> int | None:
         return -1
     light = _is_light(clause)
     for i, token in enumerate(clause.tokens):
-        if i < clause.compared and token.among(row.verbs) and i not in clause.measured:
+        if i < clause.compared and token.among(row.verbs):
             before = clause.tokens[i - 1].text if i else ""
             if i == clause.head or light or before in _BEFORE_VERB or clause.gerund(i) or clause.finite(i):
                 return i
@@ -134,7 +134,8 @@ def _details(match: Match, clause: ClauseTokens) -> None:
     match.explained |= set(clause.measured)
     for limb in clause.limbs:
         if limb.lemma in match.row.allowed or limb.place in match.explained or _acts(action.limb, limb.lemma):
-            match.explained |= {limb.place, *limb.told_by}
+            sided = bool(action.limb) or limb.side not in SIDES or limb.lemma not in ARMS | LEGS
+            match.explained |= {limb.place, *(limb.told_by if sided else ())}
     match.side = _side(match, clause)
     match.way = match.row.options.get("direction", "") or _way(match, clause, ways().get(action.ways, ()))
     lists = word_lists()

@@ -63,5 +63,8 @@ def _cut(first: str, second: str) -> list[str] | None:
 
 
 def _is_held(text: str) -> bool:
+    """Whether a clause says how the arms are held, and nothing else."""
     best, _ = best_matches(ClauseTokens(text))
-    return best is not None and best.row.action in _HELD
+    if best is None or best.row.action not in _HELD or best.left:
+        return False
+    return best.row.action != "raise_arm" or bool(best.way)

@@ -76,6 +76,11 @@ class ClauseTokens:
             0,
         )
 
+    @property
+    def completes(self) -> bool:
+        """Whether it only ends what came before: "lands on both feet"."""
+        return bool(self.tokens) and self.tokens[self.head].lemma in word_lists()["completing"]
+
     @cached_property
     def compared(self) -> int:
         """Where a comparison begins ("like a bird", "as if ..."), the length where there is none."""

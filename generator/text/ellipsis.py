@@ -49,8 +49,12 @@ _HELD_LIMBS = re.compile(
 )
 _VIEWER = re.compile(r"\b(?:viewer's |our |the camera's )?(?P<side>left|right)(?P<limb> (?:hand|arm|leg|foot|knee))? \((?:our|your|my|the viewer's|viewer's|the person's|screen)[^)]*\)")
 _AS_IF = re.compile(rf"\b(?:like|as if|as though) (?:{_PEOPLE}|they|it) (?:is|are|was|were) ([a-z]+)")
+_PHASES = re.compile(
+    r"\b(?:starts?|started|begins?|began|continues?|continued|keeps?|kept|proceeds?|proceeded|resumes?|resumed|goes on)"
+    r"(?P<to> to)? (?P<adverb>\w+ly )?(?P<doing>[a-z]+)\b"
+)
 _BEGINS = re.compile(r"\b(?P<who>standing(?: still| in place| there)?|sitting|kneeling) (?:begins?|starts?) to (?P<verb>[a-z]+)")
-_HYPHENED = re.compile(r"\b(counter|anti)[ -]clock ?wise\b")
+_CLOCKWISE = re.compile(r"\b(counter|anti)?[ -]?clock[ -]?wise\b")
 
 
 def described(text: str) -> str:
@@ -59,14 +63,22 @@ def described(text: str) -> str:
     `someone who is kneeling gets up` -> `someone gets up`
     `a person with hands dangling walks slowly` -> `a person walks slowly with hands dangling`
     """
-    text = _HYPHENED.sub(r"counterclockwise", text)
+    text = _CLOCKWISE.sub(lambda found: "counterclockwise" if found[1] else "clockwise", text)
     text = _LIMB_FIRST.sub(r"\g<verb> with the \g<limb>", text)
     text = _HELD_LIMBS.sub(lambda found: f"{found[1]}{'raise' if found[3] == 'up' else 'hold'} {found[2]} {found[3]}", text)
     text = _AS_IF.sub(r"as if \1", text)
     text = _RELATIVE.sub(_relative, text)
     text = _WHO.sub(lambda found: found["who"] if _verb_follows(text, found.end()) else found.group(), text)
     text = _ATTRIBUTE.sub(r"\g<who> \g<verb>\g<rest> \g<with>", text)
-    return _BEGINS.sub(lambda found: third_person(found["verb"]), text)
+    return _PHASES.sub(_without_phase, _BEGINS.sub(lambda found: third_person(found["verb"]), text))
+
+
+def _without_phase(found: re.Match[str]) -> str:
+    """ "starts clapping", "proceeds to sit down" as the action itself."""
+    base = GERUNDS.get(found["doing"]) or FINITE_FORMS.get(found["doing"])
+    if base is None or (found["doing"] in GERUNDS) == (found["to"] is not None):
+        return found.group()
+    return f"{found['adverb'] or ''}{third_person(base)}"
 
 
 def sides_of_the_person(text: str) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from generator.text import lexicon
 from generator.text.clause_frame import action_frame, best_matches, left_over, unknown_action
 from generator.text.clause_parts import apart, with_purpose
 from generator.text.clause_tokens import ClauseTokens
@@ -23,12 +24,16 @@ def moments(segments: Sequence[str]) -> tuple[Moment, ...]:
     found: list[Moment] = []
     for segment in segments:
         found.extend(_segment(segment, found))
-    return tuple(found)
+    shown = [moment for moment in found if moment.actions or moment.unknown]
+    return tuple(shown or [replace(moment, unknown=(Unknown(moment.words),)) for moment in found])
 
 
 def _segment(segment: str, before: Sequence[Moment]) -> list[Moment]:
     if not segment.startswith(f"{PERSON} "):
-        return [Moment(segment, (), unknown=(Unknown(segment),))]
+        limb = any(named.place < 3 for named in ClauseTokens(segment).limbs)
+        return [Moment(segment, (), (Words(segment),)) if limb else Moment(segment, (), unknown=(Unknown(segment),))]
+    if ClauseTokens(segment.removeprefix(f"{PERSON} ")).completes and before:
+        return []
     main, *meanwhile = segment.removeprefix(f"{PERSON} ").split(LINK)
     parts = _in_order(main)
     clauses = [part for rest in meanwhile for part in _at_once(rest)]
@@ -52,7 +57,10 @@ def _moment(words: str, clauses: Sequence[str], before: Sequence[Moment]) -> Mom
             unknown.append(unknown_action(clause, best))
         if match is None:
             continue
-        _add(actions, _fitting(action_frame(clause, match), clause, before))
+        frame = _fitting(action_frame(clause, match), clause, before)
+        if "count" in frame.amounts and not lexicon.actions()[frame.action].counts:
+            not_shown.append(Words(frame.amounts["count"].text))
+        _add(actions, frame)
         not_shown += [Words(phrase) for phrase in left_over(clause, match)]
     return Moment(words, tuple(actions), tuple(not_shown), tuple(unknown))
 
@@ -124,7 +132,7 @@ def _fitting(frame: ActionFrame, clause: ClauseTokens, before: Sequence[Moment])
     if frame.action == "turn" and "angle" not in frame.amounts:
         if lemmas & {"circle"} or ("around" in words and frame.count and lemmas & {"spin", "turn"}):
             frame = _turned(frame, 2 * AROUND)
-        elif words & {"around", "round"} and not lemmas & {"spin", "whirl", "twirl"}:
+        elif (words & {"around", "round"} or ("back" in words and not frame.way)) and not lemmas & {"spin", "whirl", "twirl"}:
             frame = _turned(frame, AROUND)
     onward = frame.action in {"walk", "jog", "step"} and frame.way in {"backward", ""}
     if onward and "back" in words and not words & {"backward", "backwards"} and _has_turned(before):

@@ -58,12 +58,26 @@ class Way:
 
 @dataclass(frozen=True)
 class ActionWords:
-    """How the corpus words an action: the limb whose side matters ("" none), its set of ways, its wording."""
+    """How the corpus words an action.
+
+    Attributes:
+        name: in the vocabulary.
+        limb: whose side matters, "" for none.
+        ways: name of its set of ways, "" for none.
+        wording: a template; see `tables/actions.tsv`.
+        counted: the template where a count is named.
+    """
 
     name: str
     limb: str
     ways: str
     wording: str
+    counted: str
+
+    @property
+    def counts(self) -> bool:
+        """Whether the corpus ever says how often."""
+        return "{times}" in self.counted or "{some:" in self.counted
 
 
 @cache
@@ -88,7 +102,10 @@ def ways() -> dict[str, tuple[Way, ...]]:
 def actions() -> dict[str, ActionWords]:
     """The wordings of all actions by name."""
     table = (line.split("\t") for line in lines("actions"))
-    return {name: ActionWords(name, limb.strip("-"), group.strip("-"), wording) for name, limb, group, wording in table}
+    return {
+        name: ActionWords(name, limb.strip("-"), group.strip("-"), wordings[0], wordings[-1])
+        for name, limb, group, *wordings in table
+    }
 
 
 @cache

@@ -36,7 +36,7 @@ _WORD = re.compile(r"(?<![\w'’-])[A-Za-z]+(?![\w'’-])")
 
 _PARTICLES = "around|about|forwards?|backwards?|back|down|up|left|right|again|once|twice|slowly|the|his|her"
 _JOINED = re.compile(rf"({'|'.join(sorted((f for f in FINITE_FORMS if len(f) > 2), key=len, reverse=True))})({_PARTICLES})")
-_DETERMINED = re.compile(r"(?:^|[\s,])(?:an?|the|one|this|that|some|his|her|their|your|no|any)\s+(?:\w+\s+)?$")
+_DETERMINED = re.compile(r"(?:^|[\s,])(?:an?|the|one|this|that|some|his|her|their|your|no|any)\s+$")
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,9 @@ def nearest_known(word: str) -> str:
     candidates: list[tuple[int, bool, bool, bool, float, str]] = []
     for known, distance, _ in near:
         swapped = sorted(known) == sorted(word)
-        if not swapped and (len(word) < SHORTEST or known[0] != word[0] or len(known) < SHORTEST - 1):
+        ends = word[-1] == known[-1] and known in FINITE_FORMS and FINITE_FORMS[known] == known
+        short = len(word) < SHORTEST - (ends and len(known) > len(word))
+        if not swapped and (short or known[0] != word[0] or len(known) < SHORTEST - 1):
             continue
         verb = known in FINITE_FORMS or known in GERUNDS
         similarity = JaroWinkler.similarity(word, known)

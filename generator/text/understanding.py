@@ -13,6 +13,7 @@ from generator.text.frame_parser import moments
 from generator.text.llm import DEFAULT_MODEL, LanguageModel
 from generator.text.prompt import check_prompt
 from generator.text.reading import Segmenter
+from generator.text.spans import located
 from generator.text.splitter import PERSON, Splitter
 from ros_free_stack.errors import OutOfDomain
 
@@ -76,14 +77,15 @@ class Understanding:
         found = [self._looked_up(moment) for moment in moments(reading.segments)]
         unknown = [part for moment in found for part in moment.unknown]
         if unknown and not anyway:
-            raise OutOfDomain(unknown[0].text, self._near(unknown[0]))
+            named = " and ".join(dict.fromkeys(located(part.text, prompt)[0] for part in unknown))
+            raise OutOfDomain(named, self._near(unknown[0]))
         texts = segment_texts(found)
-        not_shown = tuple(words.text for moment in found for words in moment.not_shown)
-        lost = (*not_shown, *(part.text for part in unknown), *reading.left_out)
+        words = [part.text for moment in found for part in (*moment.not_shown, *moment.unknown)]
+        lost = tuple(dict.fromkeys((*(located(text, prompt)[0] for text in words), *reading.left_out)))
         notes = (
             *reading.notes,
             f"understood: {sentence(texts).removeprefix(f'{PERSON} ')}",
-            *(f"not shown: {words!r}" for words in lost),
+            *(f"not shown: {text!r}" for text in lost),
         )
         return Understood(texts, not unknown, notes, tuple(found), lost)
 
