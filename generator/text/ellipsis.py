@@ -54,7 +54,7 @@ _PHASES = re.compile(
     r"(?P<to> to)? (?P<adverb>\w+ly )?(?P<doing>[a-z]+)\b"
 )
 _BEGINS = re.compile(r"\b(?P<who>standing(?: still| in place| there)?|sitting|kneeling) (?:begins?|starts?) to (?P<verb>[a-z]+)")
-_CLOCKWISE = re.compile(r"\b(counter|anti)?[ -]?clock[ -]?wise\b")
+_CLOCKWISE = re.compile(r"\b(?:(counter|anti)[ -]?)?clock[ -]?wise\b")
 
 
 def described(text: str) -> str:
@@ -128,6 +128,8 @@ def _repeated(found: re.Match[str]) -> str:
     diagonal = found["link"] == " and " and found["way"] in {"forward", "forwards", "back", "backward", "backwards"}
     if diagonal and re.search(r"left|right", found["second"]):
         return found.group()
-    object_ = " a step" if base == "take" else ""
+    if re.search(r"\b(?:head|torso|waist|body|hips?) (?:is|are|was|were) $", found.string[: found.start()]):
+        return found.group()
+    object_ = " a step" if base == "take" and not _STEPS.search(found["second"]) else ""
     link = found["link"] if "then" in found["link"] else ", then "
     return f"{found['verb']}{found['mid']} {found['way']}{link}{found['verb']}{object_} {found['second']}"

@@ -26,26 +26,26 @@ _ASKED = (
     rf"it would be (?:nice|great|cool|good|lovely) if {_YOU} (?:can|could|would)?",
     rf"(?:i'm |i am |we're )?(?:just )?(?:trying|hoping|going) to (?:get|make|have) {_YOU}(?: to)?",
     rf"(?:make|let|have|get|tell|ask|order|command|see|watch) {_YOU}(?: (?:to|do|go))?(?= [a-z])(?! {_YOU})",
-    rf"(?:let me|let's|i want to|i'd like to|i would like to|i'd love to) (?:see|watch) {_YOU}",
+    rf"(?:let me|let's|let us|i want to|i'd like to|i would like to|i'd love to) (?:see|watch) {_YOU}",
     rf"(?:show me|demonstrate|show)(?: (?:how|that))?(?: (?:{_YOU}))?(?: (?:can|would))?(?: to)?(?= [a-z])",
     r"(?:do (?:me|us) a favou?r(?: and)?)",
     r"(?:if (?:you don't mind|possible|you can|you would|you please|that's ok|you like))",
     r"(?:be (?:so )?(?:nice|kind|good|a dear|able)(?: enough)?(?: as)?(?: (?:and|to))?)",
     r"(?:(?:go|feel) (?:ahead|free)(?: and| to)?|go and|come and|try (?:to|and)|attempt to|pretend to|please remember to)",
-    r"(?:imagine|picture|simulate|generate|create|animate|visuali[sz]e|render|produce|give me|i want|i need)(?: me)?"
+    r"(?:imagine|picture|simulate|generate|create|animate|visuali[sz]e|render|produce|i want|i need)(?: me)?"
     r"(?= (?:an?|the|some|someone|somebody)\b)",
     r"(?:an? |the |some )?(?:simple |short |quick |smooth )?(?:motion|animation|video|clip|movement|gif|scene)s? (?:of|showing|where|in which|with)",
     r"(?:mind)(?= \w+ing)",
+    r"(?:let's|lets|let us)(?= [a-z]+)",
     r"(?:please|pls|plz|kindly|maybe|perhaps|possibly|just|now|ok|okay|then|um+|uh+|hm+|like|so|simply))",
 )
 _REQUEST = re.compile(rf"^(?:{'|'.join(_ASKED)})[,: ]+")
 _TAIL = re.compile(
     r"[,.!? ]+(?:for me|for us|please|pls|plz|thanks(?: a lot)?|thank you(?: (?:so|very) much)?|thx|ty|cheers|lol|haha|"
-    r"(?:or )?(?:something|whatever)(?: like that)?(?=\W*$)|or so|i guess|i think|i suppose|you know|if you can|if possible|if you don't mind|"
+    r"or (?:something|whatever)(?: like that)?(?=\W*$)|or so|i guess|i think|i suppose|you know|if you can|if possible|if you don't mind|"
     r"will you|would you|could you|can you|won't you|ok|okay|right\?|right away|right now|asap|now|ya know|or something|"
     r"if that's ok(?:ay)?|if you like|for a change)[.!? ]*$"
 )
-_OBJECTLESS = re.compile(r"\b(?:do|does|doing|take|pick|grab|throw|catch|hold|carry|get|lift|eat|drink|say|push|pull|kick|reach for|wipe|clean|stir|chop|pick up) something$")
 _FILLERS = re.compile(
     r"(?:(?<=^)|(?<=[ ,.]))(?:please|pls|plz|kindly|maybe|perhaps|possibly|um+|uh+|er+m*|hm+|simply|basically|just|kinda|"
     r"kind of|sort of|sorta|you know|i guess|literally|honestly|probably|um|(?<=, )like(?=,))(?=[ ,.]|$),?"
@@ -94,7 +94,7 @@ def _without_lead_in(text: str) -> str:
 
 def _without_tail(text: str) -> str:
     cut = _TAIL.search(text)
-    if cut is None or cut.start() == 0 or _OBJECTLESS.search(text):
+    if cut is None or cut.start() == 0:
         return text
     return text[: cut.start()]
 

@@ -50,6 +50,7 @@ _CONNECTIVES = (
     (re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?"),
      " simultaneously"),
 )  # fmt: skip
+_MOTIONLESS = re.compile(r"^(?:(?:do not|don't|dont|never) move|no moving)(?: at all| a muscle| anymore| any more)?[ .!]*$")
 _FIRST = re.compile(
     r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )"
     r"(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
@@ -75,6 +76,7 @@ def plain_wording(prompt: str) -> str:
     text = plain_amounts(motion_words(prompt.lower().replace("’", "'")))
     for pattern, plain in _SYMBOLS:
         text = pattern.sub(plain, text)
+    text = _MOTIONLESS.sub("stand still", text)
     text = described(" ".join(text.split()).strip(" .,;"))
     text = _FIRST.sub(r"\1", text)
     text = _BUT_FIRST.sub(r"\2 . then \1", text)
