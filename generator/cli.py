@@ -130,11 +130,15 @@ class Generate(Command):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
+        from generator.text.prompt import check_prompt
+
+        self._check()
+        for prompt in (self.prompt, *self.then):
+            check_prompt(prompt)  # before anything that loads slowly
         from generator.performer import Performer
         from generator.text.understanding import Understanding, segmenter
         from ros_free_stack.files import make_folder, save_motion
 
-        self._check()
         folder = self.weights or WEIGHTS_FOLDER
         understanding = Understanding(folder / SHARED, segmenter=lambda: segmenter(self.llm, self.llm_model))
         sentences: list[tuple[str, tuple[str, ...]]] = []

@@ -1,7 +1,7 @@
-"""Does a motion show what its segments say: the probes, asked for what can be read from the text alone.
+"""Does a motion show what its segments say: the probes, asked for what the frames of the texts say.
 
-The text of a segment means the actions of the nearest text that the model knows; a text unlike all of them asks for
-nothing, and nothing is then found missing.
+A text that no frame reads means the actions of the nearest text that the model knows; a text unlike all of them asks
+for nothing, and nothing is then found missing.
 """
 
 from collections.abc import Sequence
@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from generator.probes.catalogue import PROBES
-from generator.probes.checks import MIN_FRAMES, Checks, Window, find
+from generator.probes.checks import MIN_FRAMES, Checks, Details, Window, find
 from generator.probes.measures import Measures
-from generator.probes.named import told
+from generator.probes.named import required, told
 from generator.probes.signals import Signals
 from generator.text.domain import Domain
+from generator.text.frame import ActionFrame
+from generator.text.frame_parser import moments
 from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import clauses_at_once
 from generator.text.understanding import DOMAIN
@@ -25,23 +27,32 @@ from ros_free_stack.messages import HumanMotion
 
 ABSENT: Final = 4
 """Violations that a missing action counts as, more than all its details together."""
+ALIKE_ACTIONS: Final = {"walk": ("step",), "step": ("walk",), "squat": ("crouch",), "bend_forward": ("bow",)}
+"""Actions whose names people use for each other."""
 FLIGHT: Final = 2
 """Violations that leaving the floor counts as where no action does so: no robot could follow."""
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """A clause of a segment's text and the names of the actions that it may mean, any of which will do."""
+    """A clause of a segment's text and the names of the actions that it may mean, any of which will do.
+
+    `frame` says it all, where there is one.
+    """
 
     clause: str
     actions: tuple[str, ...]
+    frame: ActionFrame | None = None
 
     def checks(self, signals: Signals, window: Window) -> Checks | None:
         """Those of the action with the fewest violations; None where nothing can be asked."""
         if window[1] - window[0] < MIN_FRAMES:
             return None
-        found = (find(PROBES[name], told(PROBES[name], self.clause), signals, window) for name in self.actions)
+        found = (find(PROBES[name], self._details(name), signals, window) for name in self.actions)
         return min(found, key=violations, default=None)
+
+    def _details(self, name: str) -> Details:
+        return told(PROBES[name], self.clause) if self.frame is None else required(PROBES[name], self.frame)
 
 
 def violations(checks: Checks | None) -> int:
@@ -74,11 +85,17 @@ class Verifier:
 
     def requirements(self, texts: Sequence[str]) -> tuple[tuple[Requirement, ...], ...]:
         """What each segment text asks for, clause by clause."""
-        clauses = [[clause for clause in clauses_at_once(text) if clause] for text in texts]
-        names = iter(self._domain.meant([clause for row in clauses for clause in row]))
+        return tuple(tuple(part for clause in clauses_at_once(text) if clause for part in self._required(clause)) for text in texts)
+
+    def _required(self, clause: str) -> tuple[Requirement, ...]:
+        found = moments([clause])
+        if any(moment.unknown for moment in found):
+            names = self._domain.meant([clause])[0]
+            return (Requirement(clause, tuple(name for name in names if name in PROBES)),)
         return tuple(
-            tuple(Requirement(clause, tuple(name for name in next(names) if name in PROBES)) for clause in row)
-            for row in clauses
+            Requirement(clause, (frame.action, *ALIKE_ACTIONS.get(frame.action, ())), frame)
+            for moment in found
+            for frame in moment.actions
         )
 
     def violations(

@@ -1,6 +1,7 @@
 """What a segment's text names of an action: only that can be asked of a motion.
 
-`named` picks it out of the parameters of a performance; `told` reads it where there is nothing but the text.
+`named` picks it out of the parameters of a performance, `required` takes it from a frame, and `told` reads it where
+there is nothing but the text.
 """
 
 import re
@@ -10,6 +11,7 @@ from typing import Any
 from generator.probes.checks import Details
 from generator.probes.spec import Probe
 from generator.text.counts import repetitions
+from generator.text.frame import ActionFrame
 
 _LIMBS = r"(hand|hands|arm|arms|leg|foot|knee|fist|shoulder)"
 _DIRECTIONS = {
@@ -27,6 +29,8 @@ _DIRECTIONS = {
     "turning right": "right",
     "head": "head|overhead|hair",
 }
+_WAYS = {("clap", "up"): "head", ("lift_weights", "up"): "press"}
+"""Ways of frames that probes name otherwise."""
 _ANGLES = r"degrees|quarter|around|circle"
 _SIDED = re.compile(rf"\b(left|right) {_LIMBS}\b")
 _PLURAL = re.compile(rf"\bboth\b|\b{_LIMBS}s\b")
@@ -64,6 +68,20 @@ def told(probe: Probe, clause: str) -> Details:
         count=repetitions(clause) or None,
         direction=directions[0] if len(directions) == 1 else "",
         extent=_angle(rest) if probe.extent else None,
+    )
+
+
+def required(probe: Probe, frame: ActionFrame) -> Details:
+    """What a frame says of an action, as far as its probe can tell."""
+    way = _WAYS.get((frame.action, frame.way), frame.way)
+    angle = frame.value("angle")
+    if frame.action == "jump" and angle is not None:
+        way = f"turning {frame.way}" if frame.way in {"left", "right"} else ""
+    return Details(
+        side=frame.side,
+        count=frame.count,
+        direction=way if way in probe.variants else "",
+        extent=angle if probe.extent else None,
     )
 
 

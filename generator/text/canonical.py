@@ -10,14 +10,14 @@ from typing import Final
 
 from generator.data.vocabulary.english import Phrase, article, number, plural, tidy
 from generator.text.frame import ActionFrame, Moment
-from generator.text.lexicon import actions, ways
+from generator.text.lexicon import actions, ways_of
 from generator.text.splitter import PERSON
 
 _SPEEDS: Final = {"slow": "slowly", "fast": "quickly"}
 _PLURALS: Final = {"foot": "feet"}
 _LIMBS: Final = ("hand", "arm", "leg", "foot", "knee")
 _OPTIONAL: Final = re.compile(r"\[([^\]]*)\]")
-_SLOT: Final = re.compile(r"\{(\w+)(?::([\w ]+))?\}")
+_SLOT: Final = re.compile(r"\{(\w+)(?::([^}]+))?\}")
 _FEET: Final = frozenset({"leg", "foot", "knee"})
 
 
@@ -58,16 +58,16 @@ def _filled(template: str, frame: ActionFrame, *, optional: bool = False) -> str
     return template
 
 
-def _slot(name: str, noun: str, frame: ActionFrame, *, named: bool) -> str:
+def _slot(name: str, text: str, frame: ActionFrame, *, named: bool) -> str:
     if name in _LIMBS:
         return _limb(name, frame.side, named=named)
     if name == "times":
         return _times(frame.count)
     if name == "some":
-        return _some(noun, frame.count or 1)
+        return _some(text, frame.count or 1)
     if name == "lower":
         return f"and <lower> {'them' if frame.side == 'both' else 'it'}" if "lower" in frame.options else ""
-    return _turn(frame) if frame.action == "turn" else _way(frame, named=named)
+    return _turn(frame) if frame.action == "turn" else _way(frame) or text
 
 
 def _limb(limb: str, side: str, *, named: bool) -> str:
@@ -88,16 +88,11 @@ def _some(noun: str, count: int) -> str:
     return article(noun) if count == 1 else f"{number(count)} {plural(noun)}"
 
 
-def _way(frame: ActionFrame, *, named: bool) -> str:
-    """The corpus's wording of a way; where it must be said, the set's first where none was."""
-    choices = ways().get(actions()[frame.action].ways, ())
-    chosen = next((way for way in choices if way.name == frame.way), None)
-    if chosen is None:
-        if named or not choices or frame.action == "walk_circle":
-            return ""
-        chosen = choices[0]
-    plural_s = "s" if frame.side == "both" else ""
-    return chosen.wording.format(sides=f"side{plural_s}", shoulder=f"shoulder{plural_s}", hip=f"hip{plural_s}")
+def _way(frame: ActionFrame) -> str:
+    """The corpus's wording of a way, "" where none was named."""
+    wording = next((way.wording for way in ways_of(frame.action) if way.name == frame.way), "")
+    s = "s" if frame.side == "both" else ""
+    return wording.format(sides=f"side{s}", shoulder=f"shoulder{s}", hip=f"hip{s}")
 
 
 def _turn(frame: ActionFrame) -> str:

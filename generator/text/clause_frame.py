@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from generator.text.clause_tokens import ARMS, LEGS, SIDES, ClauseTokens
 from generator.text.frame import ActionFrame, Unknown
-from generator.text.lexicon import ANY, Row, Way, actions, rows, verbs, ways, word_lists
+from generator.text.lexicon import ANY, Row, Way, actions, rows, verbs, ways_of, word_lists
 
 VERB, NEEDED, ALLOWED, OBJECT = 3.0, 2.0, 1.0, 0.5
 LEFT_OVER, LOST_VERB, UNKNOWN_ROW = -1.0, -4.0, 0.6
@@ -137,7 +137,7 @@ def _details(match: Match, clause: ClauseTokens) -> None:
             sided = bool(action.limb) or limb.side not in SIDES or limb.lemma not in ARMS | LEGS
             match.explained |= {limb.place, *(limb.told_by if sided else ())}
     match.side = _side(match, clause)
-    match.way = match.row.options.get("direction", "") or _way(match, clause, ways().get(action.ways, ()))
+    match.way = match.row.options.get("direction", "") or _way(match, clause, ways_of(action.name))
     lists = word_lists()
     for i, token in enumerate(clause.tokens):
         for speed in ("slow", "fast"):
@@ -164,7 +164,9 @@ def _side(match: Match, clause: ClauseTokens) -> str:
     limb = actions()[match.row.action].limb
     acting = [named for named in clause.limbs if _acts(limb, named.lemma) and named.place < clause.compared]
     with_it = [named for named in acting if _BEFORE_SIDE & {t.text for t in clause.tokens[max(0, named.place - 4) : named.place]}]
-    chosen = next((named for named in (*with_it, *acting) if named.side), None)
+    if match.row.action == "shake_hand":  # "shakes hands" is done with one
+        acting = [named for named in acting if named.told_by]
+    chosen = next((named for named in (*with_it, *acting) if named.side and named in acting), None)
     if chosen is not None:
         lifted = match.row.action == "balance" and chosen not in with_it and chosen.side in SIDES
         if lifted and any(token.lemma in {"lift", "raise", "hold"} for token in clause.tokens):
@@ -174,7 +176,7 @@ def _side(match: Match, clause: ClauseTokens) -> str:
         return ""
     for i, token in enumerate(clause.tokens):
         near = {t.text for t in clause.tokens[max(0, i - 2) : i]}
-        directed = any(way.name in SIDES for way in ways().get(actions()[match.row.action].ways, ()))
+        directed = any(way.name in SIDES for way in ways_of(match.row.action))
         if token.text in SIDES | {"both"} and (near & _BEFORE_SIDE or not directed) and "to" not in near:
             match.explained.add(i)
             return token.text

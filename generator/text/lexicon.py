@@ -63,7 +63,7 @@ class ActionWords:
     Attributes:
         name: in the vocabulary.
         limb: whose side matters, "" for none.
-        ways: name of its set of ways, "" for none.
+        ways: name of its sets of ways, joined by "+", "" for none.
         wording: a template; see `tables/actions.tsv`.
         counted: the template where a count is named.
     """
@@ -96,6 +96,13 @@ def ways() -> dict[str, tuple[Way, ...]]:
         way = Way(name, wording, tuple(tuple(word.replace("_", "+").split("+")) for word in words.split()))
         found[group] = (*found.get(group, ()), way)
     return found
+
+
+@cache
+def ways_of(action: str) -> tuple[Way, ...]:
+    """The ways that an action can have, none for many."""
+    groups = actions()[action].ways
+    return tuple(way for group in groups.split("+") if group for way in ways()[group])
 
 
 @cache
