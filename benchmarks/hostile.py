@@ -17,7 +17,32 @@ from generator.text.understanding import Understanding
 from ros_free_stack.errors import StackError
 
 _WORDS = (Path(__file__).parents[1] / "generator/text/contrast.txt").read_text(encoding="utf-8").split()
-_TURNS = "wave walk turn bow while and then after before twice left right the a with hand arm , . ; ! ? no wait".split()
+_TURNS = [
+    "wave",
+    "walk",
+    "turn",
+    "bow",
+    "while",
+    "and",
+    "then",
+    "after",
+    "before",
+    "twice",
+    "left",
+    "right",
+    "the",
+    "a",
+    "with",
+    "hand",
+    "arm",
+    ",",
+    ".",
+    ";",
+    "!",
+    "?",
+    "no",
+    "wait",
+]
 _ODD = "\x00\u200b\u202e\ufeff🤖👋é中文العربية\\{}[]()%$#@^&*~`|<>\"'\n\t"
 _PATTERNS = ("a{n}", "({n})", "%s{n}", "../{n}", "{{{n}}}", "${{{n}}}", "1e{n}", "-{n}", "{n} times {n}", "wave {n} m")
 
@@ -45,7 +70,9 @@ def strings(count: int, seed: int) -> list[str]:
         lambda: ", no, wait, ".join(rng.choices(_TURNS, k=rng.randint(2, 25))),
         lambda: " then ".join(["walk"] * rng.randint(1, 60)),
         lambda: "the left " * rng.randint(1, 50) + "hand",
-        lambda: " ".join(f"{rng.randint(0, 10**6)} {rng.choice(('m', 'times', 'degrees', 's', 'feet', ''))}" for _ in range(9)),
+        lambda: " ".join(
+            f"{rng.randint(0, 10**6)} {rng.choice(('m', 'times', 'degrees', 's', 'feet', ''))}" for _ in range(9)
+        ),
     )
     return [rng.choice(makers)() for _ in range(count)]
 

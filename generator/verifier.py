@@ -18,9 +18,9 @@ from generator.probes.measures import Measures
 from generator.probes.named import required, told
 from generator.probes.signals import Signals
 from generator.text.domain import Domain
+from generator.text.encoder import TextEncoder
 from generator.text.frame import ActionFrame
 from generator.text.frame_parser import moments
-from generator.text.encoder import TextEncoder
 from generator.text.meanwhile import clauses_at_once
 from generator.text.understanding import DOMAIN
 from ros_free_stack.messages import HumanMotion
@@ -85,7 +85,9 @@ class Verifier:
 
     def requirements(self, texts: Sequence[str]) -> tuple[tuple[Requirement, ...], ...]:
         """What each segment text asks for, clause by clause."""
-        return tuple(tuple(part for clause in clauses_at_once(text) if clause for part in self._required(clause)) for text in texts)
+        return tuple(
+            tuple(part for clause in clauses_at_once(text) if clause for part in self._required(clause)) for text in texts
+        )
 
     def _required(self, clause: str) -> tuple[Requirement, ...]:
         found = moments([clause])

@@ -66,8 +66,10 @@ class Run(Command):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
+        from generator.text.prompt import check_prompt
         from ros_free_stack.files import make_folder
 
+        check_prompt(self.prompt)  # before anything that loads slowly
         if not 1 <= self.candidates <= MAX_CANDIDATES:
             raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
         robot = load_robot(self.robot)

@@ -46,13 +46,15 @@ _MEASURES: tuple[tuple[Kind, re.Pattern[str], float], ...] = tuple(
     for kind, table in _TABLE
     for unit, scale in table.items()
 )
+_A = r"(?:(?:a|one) )?"
+_TURN = r"(?:turn|circle|spin|rotation|revolution)"
 _TURNED: tuple[tuple[re.Pattern[str], float], ...] = (
-    (re.compile(r"\b(?:(?:a|one) )?quarter(?:[ -](?:of a )?(?:turn|circle|spin|rotation))?\b"), 90.0),
-    (re.compile(r"\b(?:(?:a|one) )?(?:half|semi)[ -]?(?:of a )?(?:turn|circle|spin|rotation)\b|\bhalfway around\b"), 180.0),
-    (re.compile(r"\b(?:(?:a|one) )?(?:full|complete|whole)(?: (?:turn|circle|spin|rotation|revolution))\b|\ball the way (?:a)?round\b"), 360.0),
-    (re.compile(rf"\b({PLAIN}) (?:(?:full|complete|whole) )?(?:turns|circles|spins|rotations|revolutions)\b"), 360.0),
+    (re.compile(rf"\b{_A}quarter(?:[ -](?:of a )?{_TURN})?\b"), 90.0),
+    (re.compile(rf"\b{_A}(?:half|semi)[ -]?(?:of a )?{_TURN}\b|\bhalfway around\b"), 180.0),
+    (re.compile(rf"\b{_A}(?:full|complete|whole) {_TURN}\b|\ball the way (?:a)?round\b"), 360.0),
+    (re.compile(rf"\b({PLAIN}) (?:(?:full|complete|whole) )?{_TURN}s\b"), 360.0),
     (re.compile(r"\b(?:u-?turn|about-?face)\b"), 180.0),
-)  # fmt: skip
+)
 _ADVERBS = {"once": 1.0, "twice": 2.0, "thrice": 3.0}
 _TIMES = re.compile(rf"\b(?:({'|'.join(_ADVERBS)})(?! again| more)|({PLAIN}|a thousand|a hundred)(?: more)? times?)\b")
 _LIMBS = (
@@ -64,9 +66,7 @@ _NOT_COUNTED = (
     r"hours?|quarter|half"
 )
 _NO_NOUN = "at|by|after|more|another|other|of|to|and|or|in|on|hundred|thousand|with|for|foot"
-_SEVERAL = re.compile(
-    rf"\b({PLAIN}|one|a single)(?= (?!(?:{_NO_NOUN})\b)(?!(?:\w+ )?(?:{_NOT_COUNTED})\b)[a-z])"
-)
+_SEVERAL = re.compile(rf"\b({PLAIN}|one|a single)(?= (?!(?:{_NO_NOUN})\b)(?!(?:\w+ )?(?:{_NOT_COUNTED})\b)[a-z])")
 _DECIMAL = re.compile(r"\d[.,]\d|half|quarter|third|tenth")
 _NEAR_FEET = re.compile(r"(?:with|on|both|using|his|her|their|your|the)\s+(?:\w+\s+)?$")
 
@@ -117,7 +117,9 @@ def _plain(found: re.Match[str], kind: Kind, scale: float) -> str:
 def _all(text: str) -> Iterator[Amount]:
     for kind, pattern, scale in _MEASURES:
         for found in pattern.finditer(text):
-            idiom = found[1] in {"a", "an"} and kind == "duration" and "hour" not in found[0] and "minute" not in found[0]
+            idiom = (
+                found[1] in {"a", "an"} and kind == "duration" and "hour" not in found[0] and "minute" not in found[0]
+            )
             if not _is_limb(found) and not idiom:
                 yield Amount(kind, value(found[1]) * scale, found.group(), found.span())
     for pattern, degrees in _TURNED:

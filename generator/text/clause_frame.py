@@ -163,7 +163,11 @@ def _side(match: Match, clause: ClauseTokens) -> str:
     """The side of the limb that acts."""
     limb = actions()[match.row.action].limb
     acting = [named for named in clause.limbs if _acts(limb, named.lemma) and named.place < clause.compared]
-    with_it = [named for named in acting if _BEFORE_SIDE & {t.text for t in clause.tokens[max(0, named.place - 4) : named.place]}]
+    with_it = [
+        named
+        for named in acting
+        if _BEFORE_SIDE & {t.text for t in clause.tokens[max(0, named.place - 4) : named.place]}
+    ]
     if match.row.action == "shake_hand":  # "shakes hands" is done with one
         acting = [named for named in acting if named.told_by]
     chosen = next((named for named in (*with_it, *acting) if named.side and named in acting), None)
@@ -185,7 +189,8 @@ def _side(match: Match, clause: ClauseTokens) -> str:
 
 def _way(match: Match, clause: ClauseTokens, choices: tuple[Way, ...]) -> str:
     """The first of the ways that the words say, in the order of the table."""
-    free = [i for i in range(len(clause)) if i not in clause.told_sides and i not in clause.measured]
+    taken = {i for limb in clause.limbs if limb.lemma in ARMS | LEGS for i in limb.told_by if i in clause.told_sides}
+    free = [i for i in range(len(clause)) if i not in taken and i not in clause.measured]
     for way in choices:
         for words in way.words:
             places = [next((i for i in free if clause.tokens[i].among({word})), -1) for word in words]
@@ -208,7 +213,7 @@ def _leave(match: Match, clause: ClauseTokens) -> None:
         is_object = i > match.head and not token.text.endswith("ly") and i < clause.compared
         if is_object and token.lemma in lists["things"] and (wild or match.row.action in {"walk", "reach", "sit_down"}):
             continue
-        if wild and is_object and not _names_action(clause, i):
+        if wild and is_object and token.text not in lists["direction"] and not _names_action(clause, i):
             match.objects.append(i)
         else:
             match.left.append(i)
@@ -242,4 +247,3 @@ def _phrase(clause: ClauseTokens, group: list[int]) -> str:
     while start and clause.tokens[start - 1].text in {"a", "an", "the", "very", "with", "of", "his", "her", "their"}:
         start -= 1
     return " ".join(token.text for token in clause.tokens[start : group[-1] + 1])
-

@@ -1,4 +1,4 @@
-"""A clause that tells more than one action without "and": participles, how the arms are held, what is done after going."""
+"""A clause of several actions without "and": participles, how arms are held, what is done after going."""
 
 from typing import Final
 
@@ -38,7 +38,7 @@ def apart(text: str) -> list[str]:
 
 
 def with_purpose(text: str) -> list[str]:
-    """The clause, or its parts one after the other: `walks forward to sit on a chair` -> `walks forward`, `sits ...`."""
+    """The clause, or its parts one after the other: `walks forward to sit on a chair` -> `walks ...`, `sits ...`."""
     clause = ClauseTokens(text)
     _, match = best_matches(clause)
     if match is None or match.row.action not in _GOING:

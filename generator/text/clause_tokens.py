@@ -59,9 +59,7 @@ class ClauseTokens:
     def measured(self) -> frozenset[int]:
         """Places of the tokens that say amounts."""
         spans = [amount.span for amount in self.amounts.values()]
-        return frozenset(
-            i for i, token in enumerate(self.tokens) if any(a <= token.start < b for a, b in spans)
-        )
+        return frozenset(i for i, token in enumerate(self.tokens) if any(a <= token.start < b for a, b in spans))
 
     @cached_property
     def head(self) -> int:
@@ -86,10 +84,7 @@ class ClauseTokens:
         """Where a comparison begins ("like a bird", "as if ..."), the length where there is none."""
         texts = [token.text for token in self.tokens]
         starts = [
-            i
-            for i in range(1, len(texts))
-            for words in _COMPARISONS
-            if tuple(texts[i : i + len(words)]) == words
+            i for i in range(1, len(texts)) for words in _COMPARISONS if tuple(texts[i : i + len(words)]) == words
         ]
         return min(starts, default=len(texts))
 

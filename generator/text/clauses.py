@@ -107,7 +107,9 @@ def clauses(doc: "Doc") -> list[Clause]:
 
 def other_subject(doc: "Doc") -> Clause | None:
     """The clause of a text whose subject is neither a person nor a limb ("the horse kicks"), None for any other."""
-    root = next(token for token in doc if token.dep_ == "ROOT")
+    root = next((token for token in doc if token.dep_ == "ROOT"), None)
+    if root is None:
+        return None
     subject = next((child for child in root.children if child.dep_ == "nsubj" and child.tag_ in {"NN", "NNS"}), None)
     if root.tag_ not in _FINITE_TAGS or subject is None or subject.i > root.i:
         return None
@@ -117,9 +119,13 @@ def other_subject(doc: "Doc") -> Clause | None:
 
 
 def _is_head(token: "Token") -> bool:
-    if _governor(token) == "or" and token.text not in FINITE_FORMS and token.text not in GERUNDS:
-        return False
-    if token.text in _NEVER_VERBS or _names_exercise(token) or any(child.dep_ == "auxpass" for child in token.children):
+    other_noun = _governor(token) == "or" and token.text not in FINITE_FORMS and token.text not in GERUNDS
+    if (
+        other_noun
+        or token.text in _NEVER_VERBS
+        or _names_exercise(token)
+        or any(child.dep_ == "auxpass" for child in token.children)
+    ):
         return False
     if _governor(token) == SUBJECT and (token.text in FINITE_FORMS or token.tag_ in _FINITE_TAGS | {"VBG"}):
         return not _is_auxiliary(token)

@@ -7,6 +7,11 @@ from generator.text.inflection import FINITE_FORMS, GERUNDS, third_person, word_
 from generator.text.numbers import NUMBER
 
 _PEOPLE = r"(?:person|man|woman|guy|girl|boy|robot|figure|someone|somebody|human|humanoid|child|one|he|she|they)"
+_THIRD = "|".join(
+    sorted(
+        (third_person(base) for base in set(FINITE_FORMS.values()) - {"hand", "head", "elbow"}), key=len, reverse=True
+    )
+)
 _UNIT = r"(?:met(?:er|re)s?|centimet(?:er|re)s|steps?|paces?|degrees)"
 _AMOUNT = rf"(?:(?:{NUMBER} (?:more )?{_UNIT}|again) )?"
 _SIDE = r"(?:(?:to|towards) (?:the|his|her|their|your|its) )?(?:left|right)(?: side| direction)?"
@@ -21,22 +26,24 @@ _FORMS = sorted(
 )
 _SECOND_WAY = re.compile(
     rf"\b(?P<verb>{'|'.join(_FORMS)})\b(?P<mid>(?: (?!and\b|then\b|after\b|before\b|while\b|as\b)[\w'-]+){{0,6}}?)"
-    rf" (?P<way>{_WAY})(?P<link>{_LINK})(?P<second>{_AMOUNT}{_WAY})(?=$|[.,;]| (?:and|then|again)\b| to (?:the|his|her|their|its|where) (?!left|right))"
+    rf" (?P<way>{_WAY})(?P<link>{_LINK})(?P<second>{_AMOUNT}{_WAY})"
+    r"(?=$|[.,;]| (?:and|then|again)\b| to (?:the|his|her|their|its|where) (?!left|right))"
 )
 _STEPS = re.compile(rf"\b{NUMBER} (?:\w+ )?steps?\b|\bsteps?\b")
 _WITH_OBJECT = word_set("arm arms hand hands head torso waist body upper hips hip weight leg legs side one")
+_ON_FOOT = "|".join(form for form in _FORMS if re.match(r"walk|pac|jog|run|ran\b", form))
 _BACK_AND_FORTH = re.compile(
-    rf"\b(?P<verb>{'|'.join(f for f in _FORMS if (FINITE_FORMS.get(f) or GERUNDS.get(f)) in {'walk', 'pace', 'jog', 'run'})})"
+    rf"\b(?P<verb>{_ON_FOOT})"
     r"(?P<how>(?: \w+ly)?)(?: around| up)? (?:back and forth|to and fro|up and down|forth and back)\b"
 )
 _POSTURE = r"(?:sitting|standing|kneeling|seated|lying|crouching)"
 _RELATIVE = re.compile(
     rf"\b(?P<who>{_PEOPLE}),? (?:who|that|which)(?:'s| is| was| are| were)(?: currently| already)? (?P<doing>\w+ing)"
-    rf"(?P<rest>(?: (?!and\b|then\b)[a-z]+){{0,5}}?),? (?P<verb>{'|'.join(sorted((third_person(b) for b in set(FINITE_FORMS.values())), key=len, reverse=True))})\b"
+    rf"(?P<rest>(?: (?!and\b|then\b)[a-z]+){{0,5}}?),? (?P<verb>{_THIRD})\b"
 )
 _WHO = re.compile(rf"\b(?P<who>{_PEOPLE}),? (?:who|that)(?: is| was| are| were|'s)?(?= \w+)")
 _ATTRIBUTE = re.compile(
-    rf"\b(?P<who>{_PEOPLE}) (?P<with>with [^,.;]*?) (?P<verb>{'|'.join(sorted((third_person(b) for b in set(FINITE_FORMS.values()) - {'hand', 'head', 'elbow'}), key=len, reverse=True))})\b"
+    rf"\b(?P<who>{_PEOPLE}) (?P<with>with [^,.;]*?) (?P<verb>{_THIRD})\b"
     r"(?P<rest>[^,.;]*)"
 )
 _LIMB_FIRST = re.compile(
@@ -45,15 +52,20 @@ _LIMB_FIRST = re.compile(
 )
 _HELD_LIMBS = re.compile(
     r"(^|[.;,] |then )((?:both |the |his |her |their |your )?(?:hands?|arms?|fists?)) "
-    r"(up|down|on|above|over|behind|out|crossed|folded|together|in front|in the air|akimbo|at)(?= |$)(?!\w* (?:walks|waves))"
+    r"(up|down|on|above|over|behind|out|crossed|folded|together|in front|in the air|akimbo|at)(?= |$)"
 )
-_VIEWER = re.compile(r"\b(?:viewer's |our |the camera's )?(?P<side>left|right)(?P<limb> (?:hand|arm|leg|foot|knee))? \((?:our|your|my|the viewer's|viewer's|the person's|screen)[^)]*\)")
+_VIEWER = re.compile(
+    r"\b(?:viewer's |our |the camera's )?(?P<side>left|right)(?P<limb> (?:hand|arm|leg|foot|knee))? "
+    r"\((?:our|your|my|the viewer's|viewer's|the person's|screen)[^)]*\)"
+)
 _AS_IF = re.compile(rf"\b(?:like|as if|as though) (?:{_PEOPLE}|they|it) (?:is|are|was|were) ([a-z]+)")
 _PHASES = re.compile(
     r"\b(?:starts?|started|begins?|began|continues?|continued|keeps?|kept|proceeds?|proceeded|resumes?|resumed|goes on)"
     r"(?P<to> to)? (?P<adverb>\w+ly )?(?P<doing>[a-z]+)\b"
 )
-_BEGINS = re.compile(r"\b(?P<who>standing(?: still| in place| there)?|sitting|kneeling) (?:begins?|starts?) to (?P<verb>[a-z]+)")
+_BEGINS = re.compile(
+    r"\b(?P<who>standing(?: still| in place| there)?|sitting|kneeling) (?:begins?|starts?) to (?P<verb>[a-z]+)"
+)
 _CLOCKWISE = re.compile(r"\b(?:(counter|anti)[ -]?)?clock[ -]?wise\b")
 
 
@@ -65,7 +77,9 @@ def described(text: str) -> str:
     """
     text = _CLOCKWISE.sub(lambda found: "counterclockwise" if found[1] else "clockwise", text)
     text = _LIMB_FIRST.sub(r"\g<verb> with the \g<limb>", text)
-    text = _HELD_LIMBS.sub(lambda found: f"{found[1]}{'raise' if found[3] == 'up' else 'hold'} {found[2]} {found[3]}", text)
+    text = _HELD_LIMBS.sub(
+        lambda found: f"{found[1]}{'raise' if found[3] == 'up' else 'hold'} {found[2]} {found[3]}", text
+    )
     text = _AS_IF.sub(r"as if \1", text)
     text = _RELATIVE.sub(_relative, text)
     text = _WHO.sub(lambda found: found["who"] if _verb_follows(text, found.end()) else found.group(), text)
@@ -121,7 +135,11 @@ def _repeated(found: re.Match[str]) -> str:
     base = FINITE_FORMS.get(found["verb"]) or GERUNDS[found["verb"]]
     explicit = "then" in found["link"] or "," in found["link"]
     words = set(found["mid"].split())
-    if words & _WITH_OBJECT or (base in _TURNS and not explicit) or (base == "take" and not _STEPS.search(found["mid"])):
+    if (
+        words & _WITH_OBJECT
+        or (base in _TURNS and not explicit)
+        or (base == "take" and not _STEPS.search(found["mid"]))
+    ):
         return found.group()
     if found["way"] in {"up", "down"} or found["second"] in {"up", "down"}:
         return found.group()

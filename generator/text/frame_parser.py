@@ -95,7 +95,7 @@ def _in_order(main: str) -> list[str]:
 
 def _finite_pieces(text: str) -> list[str]:
     """A clause cut before each "and" that a finite verb follows."""
-    pieces = [[]] if not text else [[text.split()[0]]]
+    pieces = [[]] if not text else [[text.split(maxsplit=1)[0]]]
     words = text.split()
     for place in range(1, len(words)):
         following = words[place + 1] if place + 1 < len(words) else ""
@@ -132,7 +132,11 @@ def _fitting(frame: ActionFrame, clause: ClauseTokens, before: Sequence[Moment])
     if frame.action == "turn" and "angle" not in frame.amounts:
         if lemmas & {"circle"} or ("around" in words and frame.count and lemmas & {"spin", "turn"}):
             frame = _turned(frame, 2 * AROUND)
-        elif (words & {"around", "round"} or ("back" in words and not frame.way)) and not lemmas & {"spin", "whirl", "twirl"}:
+        elif (words & {"around", "round"} or ("back" in words and not frame.way)) and not lemmas & {
+            "spin",
+            "whirl",
+            "twirl",
+        }:
             frame = _turned(frame, AROUND)
     onward = frame.action in {"walk", "jog", "step"} and frame.way in {"backward", ""}
     if onward and "back" in words and not words & {"backward", "backwards"} and _has_turned(before):

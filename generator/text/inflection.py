@@ -16,8 +16,9 @@ def word_set(words: str) -> frozenset[str]:
 MOTION_VERBS = word_set(
     """
     amble boogie chuck comb dice dribble elevate embrace flag fling gesture hobble hug hunker hurl indicate lob
-    munch nibble plop pour prowl saunter scrub shove sip slice sprint stare stir stoop strafe stroll strum stretch
-    totter veer whisk yank haul polish jab accelerate advance applaud approach ascend backpedal balance beckon begin bend bicycle blow bounce bow box brace
+    munch nibble plop pour prowl saunter scrub shove sip slice sprint stare stir stoop strafe stroll strum
+    stretch totter veer whisk yank haul polish jab
+    accelerate advance applaud approach ascend backpedal balance beckon begin bend bicycle blow bounce bow box brace
     breakdance bring brush carry cartwheel catch chat cheer chop circle clap clean clench climb close collapse come
     conduct continue cook cover cower crab cradle crawl creep cross crouch cry cuddle curl curtsy cycle dab dance
     dangle dash deliver demonstrate descend dig dip direct dive do dodge drag dribble drink drive drop duck dust eat

@@ -16,7 +16,17 @@ FAMILIES: Final = ("arms", "work", "legs")
 ANY: Final = "*"
 """Among the words that may be there: any object."""
 
-_PLURALS = {"feet": "foot", "teeth": "tooth", "people": "person", "knives": "knife", "men": "man", "women": "woman"}
+_PLURALS = {
+    "has": "have",
+    "had": "have",
+    "having": "have",
+    "feet": "foot",
+    "teeth": "tooth",
+    "people": "person",
+    "knives": "knife",
+    "men": "man",
+    "women": "woman",
+}
 _KEEP = frozenset({"left", "across", "towards", "upwards", "downwards", "backwards", "forwards", "sideways", "always"})
 
 

@@ -8,7 +8,8 @@ from typing import Protocol
 class Reading:
     """One to five segment texts in temporal order; `notes` are lines for a person, such as corrected spelling.
 
-    `left_out` are the words that say what is not done; `fell_back`: the preferred way of reading failed, a note says why.
+    `left_out` are the words that say what is not done.
+    `fell_back`: the preferred way of reading failed, a note says why.
     """
 
     segments: tuple[str, ...]

@@ -35,7 +35,9 @@ _WORD = re.compile(r"(?<![\w'’-])[A-Za-z]+(?![\w'’-])")
 
 
 _PARTICLES = "around|about|forwards?|backwards?|back|down|up|left|right|again|once|twice|slowly|the|his|her"
-_JOINED = re.compile(rf"({'|'.join(sorted((f for f in FINITE_FORMS if len(f) > 2), key=len, reverse=True))})({_PARTICLES})")
+_JOINED = re.compile(
+    rf"({'|'.join(sorted((f for f in FINITE_FORMS if len(f) > 2), key=len, reverse=True))})({_PARTICLES})"
+)
 _DETERMINED = re.compile(r"(?:^|[\s,])(?:an?|the|one|this|that|some|his|her|their|your|no|any)\s+$")
 
 

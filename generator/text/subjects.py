@@ -46,7 +46,9 @@ _CLOSERS = word_set(
 )
 _CLOSING_OBJECTS = LIMBS | {"it", "them"}
 _DETERMINERS = word_set("a an the one two three four five some his her their your")
-_LIGHT = word_set("throw land deliver do perform try go start begin keep practise practice come get make take give have continue")
+_LIGHT = word_set(
+    "throw land deliver do perform try go start begin keep practise practice come get make take give have continue"
+)
 _COMPOUND = word_set("squat jump kick step turn lunge hop push pull press punch skip")
 _EXERCISES = word_set("does do doing performs takes throws makes gives")
 

@@ -3,7 +3,7 @@
 import re
 
 from generator.text.amounts import plain_amounts
-from generator.text.ellipsis import completed, described
+from generator.text.ellipsis import completed, described, sides_of_the_person
 from generator.text.inflection import FINITE_FORMS, GERUNDS, PARTICIPLES, gerund, third_person, word_set
 from generator.text.spoken import motion_words
 
@@ -50,7 +50,9 @@ _CONNECTIVES = (
     (re.compile(r",? ?\b(?:all )?(?:at the same time|simultaneously|meanwhile|in the meantime)\b,?"),
      " simultaneously"),
 )  # fmt: skip
-_MOTIONLESS = re.compile(r"^(?:(?:do not|don't|dont|never) move|no moving)(?: at all| a muscle| anymore| any more)?[ .!]*$")
+_MOTIONLESS = re.compile(
+    r"^(?:(?:do not|don't|dont|never) move|no moving)(?: at all| a muscle| anymore| any more)?[ .!]*$"
+)
 _FIRST = re.compile(
     r"(^|[.;] ?|\b(?:he|she|they|person|man|woman|someone) )"
     r"(?:first(?:ly)?|at first|to (?:begin|start) with|initially),? "
@@ -73,7 +75,7 @@ _DURING = re.compile(r"\bduring (?=(?:an?|the|some)\b)")
 
 def plain_wording(prompt: str) -> str:
     """Lower case, one spelling of counts ("twice", "three times"), of "then", "while" and "simultaneously"."""
-    text = plain_amounts(motion_words(prompt.lower().replace("’", "'")))
+    text = plain_amounts(sides_of_the_person(motion_words(prompt.lower().replace("’", "'"))))
     for pattern, plain in _SYMBOLS:
         text = pattern.sub(plain, text)
     text = _MOTIONLESS.sub("stand still", text)

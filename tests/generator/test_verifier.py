@@ -67,8 +67,8 @@ def test_details_are_read_from_the_text(action: str, clause: str, details: Detai
     ("text", "names"),
     [
         ("a person waves with the left hand", [["wave"]]),
-        ("a person walks forward while clapping", [["walk"], ["clap"]]),
-        ("a person does a squat", [["squat"]]),
+        ("a person walks forward while clapping", [["walk", "step"], ["clap"]]),
+        ("a person does a squat", [["squat", "crouch"]]),
         ("a person photosynthesises", [[]]),
     ],
 )
