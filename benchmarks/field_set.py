@@ -14,7 +14,7 @@ from typing import Literal
 
 import tyro
 
-from generator.generate import WEIGHTS_FOLDER
+from generator.registry import SHARED, WEIGHTS_FOLDER
 from generator.text.frame import ActionFrame, Kind
 from generator.text.understanding import Understanding
 from ros_free_stack.errors import InvalidPrompt, OutOfDomain
@@ -101,7 +101,7 @@ def outcome(sentence: Sentence, found: Found) -> Kindness:
 
 def main(arguments: Arguments) -> None:
     """Print the table, and what is not right."""
-    understanding = Understanding(arguments.weights)
+    understanding = Understanding(arguments.weights / SHARED)
     halves: tuple[Half, ...] = ("dev", "held") if arguments.half == "both" else (arguments.half,)
     print("| half | sentences | count | right | silent | false alarms |\n|---|---|---|---|---|---|")
     mistakes: list[str] = []

@@ -12,7 +12,7 @@ from time import perf_counter
 
 import tyro
 
-from generator.generate import WEIGHTS_FOLDER
+from generator.registry import SHARED, WEIGHTS_FOLDER
 from generator.text.understanding import Understanding
 from ros_free_stack.errors import StackError
 
@@ -79,7 +79,7 @@ def strings(count: int, seed: int) -> list[str]:
 
 def main(arguments: Arguments) -> None:
     """Print what became of the strings, and the slowest."""
-    understanding = Understanding(WEIGHTS_FOLDER)
+    understanding = Understanding(WEIGHTS_FOLDER / SHARED)
     understanding.read("wave, then bow")  # loads parser and encoder
     ends: Counter[str] = Counter()
     slowest = (0.0, "")

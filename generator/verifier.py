@@ -86,7 +86,8 @@ class Verifier:
     def requirements(self, texts: Sequence[str]) -> tuple[tuple[Requirement, ...], ...]:
         """What each segment text asks for, clause by clause."""
         return tuple(
-            tuple(part for clause in clauses_at_once(text) if clause for part in self._required(clause)) for text in texts
+            tuple(part for clause in clauses_at_once(text) if clause for part in self._required(clause))
+            for text in texts
         )
 
     def _required(self, clause: str) -> tuple[Requirement, ...]:

@@ -67,9 +67,10 @@ class Run(Command):
 
     def run(self) -> int:
         from generator.text.prompt import check_prompt
-        from ros_free_stack.files import make_folder
+        from ros_free_stack.files import check_folder, make_folder
 
         check_prompt(self.prompt)  # before anything that loads slowly
+        check_folder(self.out)
         if not 1 <= self.candidates <= MAX_CANDIDATES:
             raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
         robot = load_robot(self.robot)

@@ -55,6 +55,15 @@ def atomic_path(path: Path) -> Generator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def check_folder(path: Path) -> None:
+    """Raise InvalidFile where `make_folder` would, without making anything: before work that takes long or says much."""
+    there = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not there.is_dir():
+        raise InvalidFile(path, f"is not a writable folder: {there} is a file")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InvalidFile(path, f"is not a writable folder: {there} cannot be written")
+
+
 def make_folder(path: Path) -> Path:
     """Create an output folder (and its parents), or raise InvalidFile where that is impossible."""
     try:

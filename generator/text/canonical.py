@@ -8,7 +8,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from generator.data.vocabulary.english import Phrase, article, number, plural, tidy
+from generator.corpus.vocabulary.english import Phrase, article, number, plural, tidy
 from generator.text.frame import ActionFrame, Moment
 from generator.text.lexicon import actions, ways_of
 from generator.text.splitter import PERSON

@@ -2,7 +2,7 @@
 
 import pytest
 
-from generator.data.vocabulary import VOCABULARY
+from generator.corpus.words import VOCABULARY
 from generator.text.amounts import amounts, plain_amounts
 from generator.text.canonical import segment_text, sentence
 from generator.text.frame import ActionFrame, Amount, Moment

@@ -152,7 +152,7 @@ def test_a_new_model_trains_generates_edits_and_is_evaluated(
     assert changed.joints[:30].tobytes() == motion.joints[:30].tobytes()
     assert not np.allclose(changed.joints[31:50], motion.joints[31:50], atol=1e-3)
     assert [(s.text, round(s.start_s, 2), round(s.end_s, 2)) for s in changed.segments] == [
-        (walk, 0.0, 1.5), (sway, 1.5, 2.55), (walk, 2.55, 4.15),
+        (walk, 0.0, 1.5), ("a person sways from side to side", 1.5, 2.55), (walk, 2.55, 4.15),
     ]  # fmt: skip
     capsys.readouterr()
     evaluate = Evaluate(
