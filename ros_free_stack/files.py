@@ -56,7 +56,7 @@ def atomic_path(path: Path) -> Generator[Path]:
 
 
 def check_folder(path: Path) -> None:
-    """Raise InvalidFile where `make_folder` would, without making anything: before work that takes long or says much."""
+    """Raise InvalidFile where `make_folder` would, and make nothing: for before work that takes long or says much."""
     there = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
     if not there.is_dir():
         raise InvalidFile(path, f"is not a writable folder: {there} is a file")
