@@ -217,6 +217,7 @@ class Run(Command):
         for segment in best.motion.segments:
             yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
         yield from (f"prompt mismatch: {line}" for line in best.missing)
+        yield from best.report.failures()
         feasible = sum(candidate.judgement.passed for candidate in found)
         yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
         yield from (note for note in verdict.notes if note.startswith(("played by", "changed", "tried")))

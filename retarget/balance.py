@@ -21,6 +21,7 @@ from scipy.spatial import ConvexHull
 from retarget.dynamics import Dynamics
 from retarget.geometry import RobotGeometry
 from retarget.targets import Targets
+from ros_free_stack.errors import SolverFailed
 from ros_free_stack.messages import Floats
 
 Sparse = Any
@@ -92,6 +93,9 @@ def balanced_com(
         areas: from `supports`.
         fps: frames a second.
         asked: (N, 2) centre of mass that the solved motion was to follow; its own by default.
+
+    Raises:
+        SolverFailed: the program has no solution.
     """
     count = len(wanted)
     if count < 4:
@@ -119,8 +123,9 @@ def balanced_com(
         np.concatenate([-free, np.zeros(count)]),
         np.concatenate([free, np.full(count, np.inf)]),
     )
-    if solver.solve() != piqp.PIQP_SOLVED:
-        return wanted
+    status = solver.solve()
+    if status != piqp.PIQP_SOLVED:
+        raise SolverFailed("the balance of the centre of mass", f"PIQP {status}")
     return solver.result.x[: 2 * count].reshape(2, count).T.copy()
 
 

@@ -55,6 +55,8 @@ class Retarget(ReadsMotion):
         save_trajectory(self.out, result.trajectory)
         for item in result.report.given_up:
             say(f"given up: {item}")
+        for line in result.report.failures():
+            say(line)
         for start, end in result.report.unsolved_s:
             say(f"no better trajectory was found from {start:.2f} to {end:.2f} s than the one frame by frame")
         trajectory = result.trajectory

@@ -14,11 +14,12 @@ from retarget.human import HumanClip, align
 from retarget.latch import latch
 from retarget.pace import walking_pace
 from retarget.report import RetargetReport, make_report
-from retarget.solver import FrameSolver, Solution
+from retarget.solution import Solution
+from retarget.solver import FrameSolver
 from retarget.targets import Targets, leg_speed, make_targets, stride_share
 from retarget.timeline import plan_timeline
 from retarget.whole_clip import ClipSolver
-from ros_free_stack.errors import InvalidOption
+from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
@@ -70,11 +71,12 @@ class Retargeter:
         started = perf_counter()
         planned = targets.soles
         targets, solution, unsolved = self._solve(targets)
+        failures = {"frame": self._frames.program.failed, "balance": 0}
         times["solve"] = perf_counter() - started
         excess = None
         if balance and not self._geometry.held:
             started = perf_counter()
-            solution, unsolved, excess = self._balanced(targets, solution, unsolved)
+            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures)
             times["balance"] = perf_counter() - started
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
@@ -83,6 +85,7 @@ class Retargeter:
                 targets,
                 replace(solution, foot_error=solution.foot_error + np.linalg.norm(targets.soles - planned, axis=2)),
                 unsolved=unsolved,
+                solver_failures={name: count for name, count in failures.items() if count},
                 zmp_excess=excess,
                 stride_scale=stride,
                 slowdown=slowdown,
@@ -114,12 +117,13 @@ class Retargeter:
         return targets, found.solution, found.unsolved
 
     def _balanced(
-        self, targets: Targets, solution: Solution, unsolved: Unsolved
+        self, targets: Targets, solution: Solution, unsolved: Unsolved, failures: dict[str, int]
     ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
 
         Once the clip solver has refused a stretch, the centre of mass moves by `LONGEST_SHIFT` a time at most, and by
-        half of that if it does so again. The dictionary holds (N,) how far the ZMP is outside, `before` and `after`, m.
+        half of that if it does so again. What has no solution is counted in `failures`, and what was found stays.
+        The dictionary holds (N,) how far the ZMP is outside, `before` and `after`, m.
         """
         geometry, fps = self._geometry, targets.fps
         wanted = solution.centre_of_mass[:, :2]
@@ -131,11 +135,16 @@ class Retargeter:
             if done and after.max() < INSIDE_M:
                 break
             # A body that was left where it was tells nothing of what it makes of a centre of mass.
-            asked = balanced_com(dynamics, wanted, inner, fps, None if unsolved else com)
+            try:
+                asked = balanced_com(dynamics, wanted, inner, fps, None if unsolved else com)
+            except SolverFailed:
+                failures["balance"] += 1
+                break
             com = nearer(asked, dynamics.centre_of_mass[:, :2], longest)
             shifted = targets.shifted(com - wanted)
             if self._clip is None:
                 solution = self._frames.solve(shifted, com)
+                failures["frame"] += self._frames.program.failed
             else:
                 found = self._clip.solve(shifted, solution.qpos, com)
                 solution, unsolved = found.solution, found.unsolved
@@ -183,6 +192,7 @@ def retarget(
     Raises:
         InvalidOption: `fps` is not a positive number.
         UnsupportedModel: the robot's model lacks something that retargeting needs.
+        SolverFailed: not even a first pose was found.
     """
     return Retargeter(robot, solver).retarget(motion, fps=fps, balance=balance)
 

@@ -9,7 +9,7 @@ from retarget.balance import INSIDE_M
 from retarget.geometry import RobotGeometry
 from retarget.limits import active_limits
 from retarget.runs import runs
-from retarget.solver import Solution
+from retarget.solution import Solution
 from retarget.targets import Targets
 from ros_free_stack.messages import Floats
 
@@ -55,6 +55,8 @@ class RetargetReport:
         slowdown: time of the motion over the human's; 1 where nothing was slowed down.
         unsolved_s: stretches (start, end) that the whole-clip solver left as they were before, as it found no better
             trajectory there; their limits hold all the same.
+        solver_failures: quadratic programs without a solution: of a `frame`, which then goes on as the last one, and of
+            the `balance`, which then stays as it was.
         zmp_outside_cm: how far the zero moment point leaves the support polygon, (mean, max), before and after
             balancing; None without the balance pass.
         zmp_outside_share: share of the frames in which it leaves it, before and after.
@@ -69,9 +71,18 @@ class RetargetReport:
     stride_scale: float
     slowdown: float
     unsolved_s: tuple[tuple[float, float], ...] = ()
+    solver_failures: dict[str, int] = field(default_factory=dict[str, int])
     zmp_outside_cm: dict[str, Spread] | None = None
     zmp_outside_share: dict[str, float] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
+
+    def failures(self) -> tuple[str, ...]:
+        """One line for each kind of program that had no solution."""
+        words = {
+            "frame": "frames had no solution and went on as the one before",
+            "balance": "plans of balance had no solution: the body leans as the person does",
+        }
+        return tuple(f"solver: {count} {words[kind]}" for kind, count in self.solver_failures.items())
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -93,6 +104,7 @@ def make_report(
     stride_scale: float,
     slowdown: float,
     unsolved: tuple[tuple[int, int], ...],
+    solver_failures: dict[str, int],
     zmp_excess: dict[str, Floats] | None,
     timings_s: dict[str, float],
 ) -> RetargetReport:
@@ -110,6 +122,7 @@ def make_report(
         stride_scale=stride_scale,
         slowdown=slowdown,
         unsolved_s=tuple((start / targets.fps, end / targets.fps) for start, end in unsolved),
+        solver_failures=solver_failures,
         zmp_outside_cm=None if zmp_excess is None else {when: _spread_cm(e) for when, e in zmp_excess.items()},
         zmp_outside_share=None
         if zmp_excess is None

@@ -3,25 +3,24 @@
 Each frame solves a few of the quadratic programs of `retarget.problem`, each at the step that the last one led to.
 Bounds of the joints' and the root's steps are hard and never contradict each other (`retarget.limits`). What may ask
 for more than they allow is soft, by weights so large that it is kept wherever it can be: the pose of feet that stand,
-the heights of the other feet's corners, the distances between limbs. The programs are solved by DAQP (Arnstrom,
-Bemporad and Axehill 2022, "A dual active-set solver for embedded quadratic programming using recursive LDL' updates"),
-which goes on from the last program's active set.
+the heights of the other feet's corners, the distances between limbs.
 """
 
-from dataclasses import dataclass
 from time import perf_counter
 
-import daqp
 import mujoco
 import numpy as np
 
 from retarget.collision import Collision
 from retarget.compiled import BufferedFunction, compiled
+from retarget.frame_program import EQUALITY, SOFT, FrameProgram
 from retarget.geometry import RobotGeometry
 from retarget.limits import JointBounds
 from retarget.problem import COM_WEIGHT, NEAREST, POSE, UNBOUNDED, frame_functions
+from retarget.solution import History, Solution, at_limit
 from retarget.targets import Goal, Targets
 from ros_free_stack.couplings import joint_couplings, settle
+from ros_free_stack.errors import SolverFailed
 from ros_free_stack.messages import Bools, Floats
 
 ITERATIONS = 3
@@ -48,28 +47,6 @@ SETTLED_S = 0.1
 
 FOOT_SOFTNESS, FLOOR_SOFTNESS, LIMB_SOFTNESS = 1e-7, 1e-6, 3e-6
 """Share of a violation that DAQP leaves, in each kind of soft rows."""
-_EQUALITY, _SOFT = 5, 8
-
-
-@dataclass(frozen=True)
-class Solution:
-    """A solved clip.
-
-    Attributes:
-        qpos: (N, nq) configurations.
-        point_error: (N, P) distances of the followed points to their targets, m.
-        foot_error: (N, F) distances of the soles to their targets, m.
-        centre_of_mass: (N, 3) m.
-        released: (N, F) whether a standing foot could not be kept on its foothold.
-        limited: (N, J) whether a joint was at one of its bounds.
-    """
-
-    qpos: Floats
-    point_error: Floats
-    foot_error: Floats
-    centre_of_mass: Floats
-    released: Bools
-    limited: Bools
 
 
 class FrameSolver:
@@ -80,6 +57,8 @@ class FrameSolver:
         planted: (F,) the feet that it holds.
         released: (F,) standing feet that it could not keep where they were planted.
         last: (nv,) the last step.
+        program: the quadratic program; it counts those without a solution, where the step stays as it was, inside its
+            bounds.
         bounds: (nv,) and (nv,) least and largest last step; the next one overwrites them.
     """
 
@@ -109,18 +88,14 @@ class FrameSolver:
             self._state.read_from(name, memory.T)
         outputs = self._frame.outputs
         bounds = (outputs["upper"][:, 0], outputs["lower"][:, 0])
-        self._data = (outputs["hessian"].T, outputs["gradient"][:, 0], self._rows, *bounds)
-        self._sense = np.full(nv + len(self._rows), _SOFT, dtype=np.int32)
-        self._sense[:nv] = 0
-        self._softness = np.full(len(self._sense), LIMB_SOFTNESS)
+        data = (outputs["hessian"].T, outputs["gradient"][:, 0], self._rows, *bounds)
+        self.program = FrameProgram(data, LIMB_SOFTNESS)
         self._start, self._step, self._last, self._apart = (
             self._frame.inputs[name][:, 0] for name in ("start", "step", "last", "apart")
         )
         self._apart_rows = self._rows[POSE * feet :]
         aimed = ("points", "rotations", "soles", "sole_rotations")
         self._aimed = [self._frame.inputs[name].T for name in aimed]
-        self._program = daqp.Model()
-        self._ready, self._changed = False, True
         self.bounds = outputs["low"][:, 0], outputs["high"][:, 0]
         self.qpos = geometry.standing
         self.planted, self.released = np.zeros(feet, dtype=bool), np.zeros(feet, dtype=bool)
@@ -131,7 +106,7 @@ class FrameSolver:
 
     def solve(self, targets: Targets, com: Floats | None = None) -> Solution:
         """Solve a clip, from rest; `com` (N, 2) is a centre of mass to follow over the floor."""
-        history = _History(len(targets), self.geometry)
+        history = History(len(targets), self.geometry)
         for k in range(len(targets)):
             goal = targets.goal(k, com)
             outputs = self.step(goal, targets.fps) if k else self.start(goal)
@@ -143,11 +118,17 @@ class FrameSolver:
 
         Returns:
             What `retarget.problem.FrameFunctions.state` tells of the configuration; the next call overwrites them.
+
+        Raises:
+            SolverFailed: no program of any start had a solution.
         """
-        self.last[:], self._fps, self._ready = 0.0, None, False
+        self.last[:], self._fps = 0.0, None
+        self.program.forget()
         self._hold(np.zeros_like(self.planted))
         self._aim(goal)
         self.qpos = self._first(goal)
+        if not self.program.solved:
+            raise SolverFailed("the first frame's pose", f"DAQP {self.program.status}")
         self._begin()
         return self._end(goal)
 
@@ -254,11 +235,11 @@ class FrameSolver:
 
     def _hold(self, planted: Bools) -> None:
         """Hold these feet (F,) from now on, at their anchors."""
-        self.planted, self._changed, nv = planted, True, self.geometry.model.nv
+        self.planted = planted
         self._frame.inputs["held"][:, 0] = planted
-        feet = slice(nv, nv + POSE * len(planted))
-        self._sense[feet] = np.repeat(np.where(planted, _SOFT + _EQUALITY, _SOFT), POSE)
-        self._softness[feet] = np.repeat(np.where(planted, FOOT_SOFTNESS, FLOOR_SOFTNESS), POSE)
+        sense = np.where(planted, SOFT + EQUALITY, SOFT)
+        softness = np.where(planted, FOOT_SOFTNESS, FLOOR_SOFTNESS)
+        self.program.mark(0, np.repeat(sense, POSE), np.repeat(softness, POSE))
 
     def _begin(self) -> None:
         """Begin a frame at the last configuration."""
@@ -301,52 +282,4 @@ class FrameSolver:
     def _increment(self) -> Floats:
         """Solve one quadratic program: increment (nv,) of the step."""
         self._frame()
-        if not self._ready:
-            self._program = daqp.Model()
-            self._program.setup(*self._data, self._sense)
-        elif self._changed:
-            self._program.update(*self._data, self._sense)
-        else:
-            # Without the rows' kinds DAQP goes on from its last active set.
-            self._program.update(*self._data)
-        if self._changed or not self._ready:
-            self._program.soft_weights(rho_l=self._softness, rho_u=self._softness)
-        self._ready, self._changed = True, False
-        return self._program.solve()[0]
-
-
-def at_limit(low: Floats, step: Floats, high: Floats) -> Bools:
-    """Whether steps are at one of their bounds."""
-    return (step <= low + 1e-9) | (step >= high - 1e-9)
-
-
-class _History:
-    """Arrays of a clip that is being solved."""
-
-    def __init__(self, count: int, geometry: RobotGeometry) -> None:
-        self._dofs = geometry.dof_index
-        self._qpos = np.zeros((count, geometry.model.nq))
-        self._steps = np.zeros((count, 3, geometry.model.nv))
-        self._point_error = np.zeros((count, len(geometry.followed)))
-        self._soles = np.zeros((count, len(geometry.feet), 3))
-        self._centre_of_mass = np.zeros((count, 3))
-        self._released = np.zeros((count, len(geometry.feet)), dtype=bool)
-
-    def record(self, k: int, solver: FrameSolver, outputs: dict[str, np.ndarray]) -> None:
-        self._qpos[k], self._released[k] = solver.qpos, solver.released
-        low, high = solver.bounds
-        self._steps[k] = low, solver.last, high
-        self._point_error[k] = outputs["point_error"][:, 0]
-        self._soles[k] = outputs["sole"][:3].T
-        self._centre_of_mass[k] = outputs["centre_of_mass"][:, 0]
-
-    def solution(self, targets: Targets) -> Solution:
-        low, step, high = self._steps[:, :, self._dofs].swapaxes(0, 1)
-        return Solution(
-            self._qpos,
-            self._point_error,
-            np.linalg.norm(self._soles - targets.soles, axis=-1),
-            self._centre_of_mass,
-            self._released,
-            (np.arange(len(step)) > 0)[:, None] & at_limit(low, step, high),
-        )
+        return self.program.solve()

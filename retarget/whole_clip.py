@@ -15,7 +15,8 @@ from retarget.differences import Stretch, moved
 from retarget.filter import LESS, Filter
 from retarget.geometry import RobotGeometry
 from retarget.limits import active_limits
-from retarget.solver import PLANTED_M, PLANTED_RAD, Solution
+from retarget.solution import Solution
+from retarget.solver import PLANTED_M, PLANTED_RAD
 from retarget.targets import Targets
 from retarget.trajectory_qp import TrajectoryQP
 from retarget.windows import LENGTH, windows

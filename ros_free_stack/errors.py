@@ -1,7 +1,7 @@
 """Every error that a user can meet, each with one line that says what was wrong and what is valid.
 
 The command line prints `error: <message>` and ends with the class's `exit_code`:
-2 bad input or usage, 4 hardware fault. (3, an infeasible motion, is a result and not an error.)
+2 bad input or usage, 3 no solution, 4 hardware fault. (An infeasible motion, 3 too, is a result and not an error.)
 """
 
 from collections.abc import Iterable
@@ -73,6 +73,19 @@ class MissingDependency(StackError):
 
 class UnsupportedModel(StackError):
     """A robot model has a part that this project cannot handle."""
+
+
+class SolverFailed(StackError):
+    """A solver ended without a solution, and nothing usable is left in its place.
+
+    `status` is the solver's own word for it.
+    """
+
+    exit_code = 3
+
+    def __init__(self, problem: str, status: object) -> None:
+        super().__init__(f"{problem} has no solution (solver status: {status})")
+        self.status = status
 
 
 class ModelMismatch(StackError):

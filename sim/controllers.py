@@ -39,7 +39,9 @@ LEAST_HEIGHT_M = 0.05
 
 
 class Controller(Protocol):
-    """Goals for the servos, cycle by cycle."""
+    """Goals for the servos, cycle by cycle; `unsolved` counts those for which its own program had no solution."""
+
+    unsolved: int
 
     def goals(self, now: int, then: int, believed: mujoco.MjData) -> Floats:
         """(J,) goals in rad for the plan's cycle `then`, from the state believed at its cycle `now`.
@@ -78,6 +80,8 @@ def make_controller(
 class PlainPD:
     """The reference's angles as they are."""
 
+    unsolved = 0
+
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
 
@@ -96,6 +100,8 @@ class DcmFeedback:
     torque / kp further: on one foot it is the ankle's moment, on two the legs also take load from each other. Feet that
     have landed beside their footholds take the plan along (`sim.footholds`).
     """
+
+    unsolved = 0
 
     def __init__(self, model: mujoco.MjModel, robot: RobotDescription, servos: Servos, plan: Plan) -> None:
         self._model, self._kp = model, servos.kp

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import get_lapack_funcs
 from scipy.optimize import nnls
 
+from ros_free_stack.errors import SolverFailed
 from ros_free_stack.messages import Floats
 
 _POSV: Final = get_lapack_funcs(["posv"], dtype=float)[0]
@@ -15,8 +16,14 @@ def solve_definite(matrix: Floats, right: Floats) -> Floats:
     """x (n,) with matrix x = right, for a symmetric positive definite (n, n) matrix.
 
     LAPACK's Cholesky solver without the checks of arguments, which take numpy longer than a few equations.
+
+    Raises:
+        SolverFailed: the matrix is not positive definite, or no number.
     """
-    return _POSV(matrix, right)[1]
+    _, found, status = _POSV(matrix, right)
+    if status or not np.isfinite(found.sum()):
+        raise SolverFailed("a system of the balance controller", f"LAPACK posv {status}")
+    return found
 
 
 def damped_shares(matrix: Floats, right: Floats, damping: float) -> Floats:

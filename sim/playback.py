@@ -52,6 +52,7 @@ class Playback:
         orientation_error: (N,) difference of gravity along the torso's z axis, 0 to 2, greatest.
         power: (N,) W that all servos draw together over 0.1 s, greatest; 0 where the motor's figures are not known.
         heating: (N, J) K by which servos have warmed; 0 where the motor's figures are not known.
+        unsolved: control cycles in which the controller's own program had no solution, and the plan stood in for it.
         fell_at_s: when the robot fell, from the motion's start (beyond its end if in the final hold), or None.
         controller: what moved the robot.
     """
@@ -71,6 +72,7 @@ class Playback:
     power: Floats
     heating: Floats
     fell_at_s: float | None
+    unsolved: int
     controller: ControllerName
 
     @property
@@ -136,6 +138,7 @@ class _Log:
     errors: Floats
     contacts: dict[int, tuple[Floats, Floats]]
     fell_at_cycle: int | None
+    unsolved: int
 
 
 PUSH_S = 0.1
@@ -252,7 +255,7 @@ def _simulate(
         if cycle + 1 >= last:
             break
     done = last * each
-    return _Log(qpos[:done], qvel[:done], force[:done], errors[:last], contacts, fell)
+    return _Log(qpos[:done], qvel[:done], force[:done], errors[:last], contacts, fell, mover.unsolved)
 
 
 def _push(disturbance: Disturbance, cycle: int, plan: Plan, model: mujoco.MjModel) -> Floats:
@@ -311,6 +314,7 @@ def _sample(stage: Stage, log: _Log, at_step: np.ndarray, controller: Controller
         orientation_error=greatest(log.errors[by_step, 1]),
         power=greatest(power),
         heating=greatest(heating),
+        unsolved=log.unsolved,
         fell_at_s=None if log.fell_at_cycle is None else (log.fell_at_cycle + 1) * plan.cycle_s - HOLD_S,
         controller=controller,
     )

@@ -75,6 +75,8 @@ def judge(
         playback = play(set_stage(reference, mount=mount), fall, controller=controller, state=state)
         checks += playback_checks(reference, playback, limits, mount)
         notes.append(f"played by the {controller} controller on the {state} state")
+        if playback.unsolved:
+            notes.append(f"the controller found no solution in {playback.unsolved} cycles: the plan stood in")
         if playback.fell_at_s is not None:
             notes.append(f"fell at {playback.fell_at_s:.2f} s")
         if perturbed:

@@ -68,6 +68,7 @@ class WholeBody:
         self._free = model.nv > len(robot.joints)
         self._ideal = mujoco.MjData(model)
         self._torque: Floats | None = None
+        self.unsolved = 0
 
     def goals(self, now: int, then: int, believed: mujoco.MjData) -> Floats:
         """(J,) goals in rad; where the QP has no solution the plan's torques stand in."""
@@ -209,7 +210,8 @@ class WholeBody:
         sense = np.zeros(len(upper), dtype=ctypes.c_int)
         sense[nv + count : nv + count + 6] = _EQUALITY
         found, _, flag, _ = daqp.solve(hessian, gradient, np.ascontiguousarray(dynamics[rows]), upper, lower, sense)
-        if flag < 1:
+        if flag < 1 or not np.isfinite(found.sum()):
+            self.unsolved += 1
             return np.clip((bias - forces.sum(axis=0) * unit / max(count, 1))[dofs], -effort, effort)
         return (dynamics @ found + bias)[dofs]
 

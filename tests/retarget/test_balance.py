@@ -5,6 +5,7 @@ from scipy.ndimage import gaussian_filter1d
 from retarget.balance import Support, balanced_com, nearer, zmp_excess
 from retarget.dynamics import Dynamics, whole_body_dynamics
 from retarget.geometry import measure
+from ros_free_stack.errors import SolverFailed
 from ros_free_stack.robots import load_robot
 
 FPS = 50.0
@@ -89,3 +90,11 @@ def test_a_far_shift_is_shortened_as_a_whole_and_a_near_one_is_not():
     here, there = np.zeros((5, 2)), np.linspace([0, 0], [0.3, 0.4], 5)
     np.testing.assert_allclose(nearer(there, here, 0.1), there / 5)
     np.testing.assert_array_equal(nearer(there, here, 0.6), there)
+
+
+def test_balanced_com_without_a_solution_is_an_error():
+    wanted = np.zeros((20, 2))
+    before = pendulum(wanted, 0.3)
+    wanted[7] = np.nan
+    with pytest.raises(SolverFailed, match=r"balance of the centre of mass has no solution .solver status: PIQP"):
+        balanced_com(before, wanted, [box(0, 20, (0.0, 0.0), 0.15)], FPS)

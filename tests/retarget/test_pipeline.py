@@ -2,8 +2,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from retarget.frame_program import FrameProgram
 from retarget.pipeline import Retargeter, RetargetResult
-from ros_free_stack.errors import InvalidOption
+from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.robot_model import joint_addresses, kinematic_model, sole_corners
 from ros_free_stack.robots import load_robot
@@ -143,3 +144,35 @@ def test_very_short_clips(retargeter, motions, frames):
 def test_refuses_a_bad_frame_rate(retargeter, motions):
     with pytest.raises(InvalidOption, match="fps"):
         retargeter.retarget(motions["stand"], fps=0.0)
+
+
+def test_balance_without_a_solution_is_counted_and_told(motions: dict[str, HumanMotion], monkeypatch):
+    def fail(*_: object) -> None:
+        raise SolverFailed("the balance of the centre of mass", "PIQP -1")
+
+    monkeypatch.setattr("retarget.pipeline.balanced_com", fail)
+    report = Retargeter(load_robot("op3"), "frames").retarget(motions["wave"]).report
+    assert report.solver_failures == {"balance": 1}
+    assert report.failures() == ("solver: 1 plans of balance had no solution: the body leans as the person does",)
+
+
+def test_frames_without_a_solution_are_counted_or_end_in_an_error(motions: dict[str, HumanMotion], monkeypatch):
+    retargeter, count = Retargeter(load_robot("op3"), "frames"), 0
+    run = FrameProgram._run
+
+    def failing(program: FrameProgram, accepted: int, *, soften: bool) -> tuple[np.ndarray, int]:
+        nonlocal count
+        count += 1
+        found, status = run(program, accepted, soften=soften)
+        return found, -1 if count in broken else status
+
+    monkeypatch.setattr(FrameProgram, "_run", failing)
+    broken = range(300, 320)
+    result = retargeter.retarget(motions["wave"], balance=False)
+    assert 1 <= result.report.solver_failures["frame"] <= 20
+    joints = result.trajectory.joint_pos
+    assert (joints >= retargeter.robot.lower - TOLERANCE).all() and (joints <= retargeter.robot.upper + TOLERANCE).all()
+    assert (np.abs(np.diff(joints, axis=0)) * 50 <= retargeter.robot.velocity + TOLERANCE).all()
+    broken = range(count, 10**9)
+    with pytest.raises(SolverFailed, match=r"first frame's pose has no solution .solver status: DAQP -1"):
+        retargeter.retarget(motions["wave"])
