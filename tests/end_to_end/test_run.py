@@ -5,14 +5,22 @@ import io
 import json
 import runpy
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import launch
+from generator.corpus.actions import perform
+from generator.corpus.pose import joints
+from generator.corpus.scene import Scene
 from generator.registry import DEFAULT, WEIGHTS_FOLDER
+from pipeline.pipeline import Pipeline
 from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, load_verdict
+from ros_free_stack.messages import ControllerName, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import load_robot
+from ros_free_stack.skeleton import FPS
+from sim.verdict import Judgement
 
 WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candidates", "2", "--no-video", "--json")
 EXAMPLES = Path(launch.__file__).parent / "examples"
@@ -58,9 +66,9 @@ def test_what_a_motion_does_not_show_is_told(wave, tmp_path: Path, capsys):
 
 def test_the_right_hand_waves_above_the_shoulder_and_the_left_one_hangs(wave):
     _, _, out = wave
-    joints = load_motion(out / "human_motion.npz").joints
-    right_lift = joints[:, 21, 2] - joints[:, 17, 2]
-    left_lift = joints[:, 20, 2] - joints[:, 16, 2]
+    places = load_motion(out / "human_motion.npz").joints
+    right_lift = places[:, 21, 2] - places[:, 17, 2]
+    left_lift = places[:, 20, 2] - places[:, 16, 2]
     assert right_lift.max() > 0.0
     assert left_lift.max() < -0.1
 
@@ -86,14 +94,39 @@ def test_same_seed_gives_the_same_trajectory(wave, tmp_path: Path):
     assert load_trajectory(tmp_path / "trajectory.npz").digest == load_trajectory(out / "trajectory.npz").digest
 
 
-def test_an_infeasible_motion_is_reported_and_never_streamed(tmp_path: Path, capsys):
-    arguments = ["run", "a person jumps", "--candidates", "1", "--no-video", "--servo", "sim", "--json"]
+def test_an_infeasible_motion_is_reported_and_never_streamed(tmp_path: Path, monkeypatch, capsys):
+    scene = Scene(1)
+    perform(scene, "jump", height=0.3)
+    leap = HumanMotion(joints(scene.solve(0.1)), FPS, "a person jumps")
+    monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (leap,))
+    arguments = ["run", "a person jumps", "--candidates", "1", "--no-repair", "--no-video", "--servo", "sim", "--json"]
     code = launch.main([*arguments, "--out", str(tmp_path)])
     captured = capsys.readouterr()
     result = json.loads(captured.out)
-    assert code == (0 if result["verdict"]["passed"] else 3)
-    assert (result["servo"] is None) == (not result["verdict"]["passed"])
-    assert load_verdict(tmp_path / "verdict.json").passed == result["verdict"]["passed"]
+    assert code == 3
+    assert result["verdict"]["passed"] is False and result["servo"] is None
+    assert "nothing is streamed" in captured.err
+    assert not load_verdict(tmp_path / "verdict.json").passed
+    assert not (tmp_path / "telemetry.npz").exists()
+
+
+def test_a_robot_that_only_feedback_keeps_up_is_not_streamed_to(tmp_path: Path, monkeypatch, capsys):
+    """A judge who lets feedback alone keep the robot up: told with what would do."""
+    judged = Pipeline.judge
+
+    def judge(pipeline: Pipeline, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> Judgement:
+        found = judged(pipeline, trajectory, controller)
+        if controller == "default":
+            return found
+        checks = (replace(c, value=9.0, passed=False) if c.name == "fall_height" else c for c in found.verdict.checks)
+        return replace(found, verdict=replace(found.verdict, checks=tuple(checks)))
+
+    monkeypatch.setattr(Pipeline, "judge", judge)
+    arguments = [*WAVE, "--candidates", "1", "--no-repair", "--servo", "sim", "--out", str(tmp_path)]
+    assert launch.main(arguments) == 3
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["verdict"]["controller"] == "pd"
+    assert "only feedback keeps op3 up: hang it up and use --mount fixed" in captured.err
 
 
 def test_examples_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
@@ -107,5 +140,5 @@ def test_examples_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.Mo
         monkeypatch.setattr(sys, "argv", [name, *arguments])
         runpy.run_path(str(EXAMPLES / name), run_name="__main__")
     out = capsys.readouterr().out
-    assert "feasible" in out
+    assert "feasible" in out.splitlines()
     assert "cycles" in out
