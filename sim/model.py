@@ -26,7 +26,7 @@ NATURAL_FREQUENCY, DAMPING_RATIO = 2 * np.pi * 10.0, 2.0
 """Of the position loop that a bare motor gets, in rad/s and 1, on the inertia of its rotor alone (BeyondMimic, Liao et
 al. 2025, choose the gains of G1's joints so): kp = J w^2, kd = 2 zeta J w."""
 
-_CACHE_VERSION = "4"
+_CACHE_VERSION = "5"
 
 
 def judging_model(robot: RobotDescription, *, mount: Mount = "free") -> mujoco.MjModel:
@@ -106,7 +106,8 @@ def _limit_servos(spec: "mujoco.MjSpec", robot: RobotDescription) -> None:
         if robot.servos is not None:
             joint = spec.joint(actuator.target)
             joint.damping = np.zeros_like(joint.damping)
-            joint.damping[0] = limits.effort / limits.velocity
+            motor = robot.servos.motor
+            joint.damping[0] = limits.effort / (motor.no_load_speed if motor else limits.velocity)
 
 
 def _close_position_loop(actuator: "mujoco.MjsActuator", inertia: float) -> None:

@@ -89,6 +89,7 @@ class ServoMotor:
     Attributes:
         voltage: V, at which stall torque and no-load speed of the joints hold.
         stall_current: A at that voltage.
+        no_load_speed: rad/s at that voltage, where no torque is left.
         encoder_steps: steps of the position sensor in a turn.
         supply_power: W that the robot's power supply gives.
         heat_capacity: J/K of one servo.
@@ -97,6 +98,7 @@ class ServoMotor:
 
     voltage: float
     stall_current: float
+    no_load_speed: float
     encoder_steps: int
     supply_power: float
     heat_capacity: float

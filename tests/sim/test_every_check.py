@@ -88,7 +88,7 @@ def limbs_out_of_step(op3, make):
     """Both arms and the head sway slowly, each in its own irregular rhythm."""
     rng, time = np.random.default_rng(2), np.arange(200) / 50.0
     joints = {
-        name: 0.2 * sum(np.sin(2 * np.pi * f * time + rng.uniform(0, 6)) for f in rng.uniform(0.5, 1.5, 2))
+        name: 0.15 * sum(np.sin(2 * np.pi * f * time + rng.uniform(0, 6)) for f in rng.uniform(0.5, 1.5, 2))
         for name in ("l_sho_pitch", "r_sho_pitch", "head_pan")
     }
     return make(op3, frames=200, joints=joints)

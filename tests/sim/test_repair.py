@@ -57,7 +57,7 @@ def test_slower_until_it_passes(op3, standing):
     def turning_head(motion: HumanMotion):
         slowdown = motion.duration_s / 2.0
         time = np.arange(round(50.0 * motion.duration_s)) / 50.0
-        return standing(op3, frames=len(time), joints={"head_pan": 0.75 * (1 - np.cos(8.0 / slowdown * time))})
+        return standing(op3, frames=len(time), joints={"head_pan": 0.505 * (1 - np.cos(8.0 / slowdown * time))})
 
     found = repair(turning_head(person()), op3, motion=person(), retarget=turning_head, level="lenient")
     assert found.judgement.passed, found.tried

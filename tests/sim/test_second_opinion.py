@@ -69,7 +69,8 @@ def second_opinion(robot: RobotDescription, trajectory: RobotTrajectory) -> Opin
     stall = np.array([robot.joints[name].effort for name in trajectory.joint_names])
     if robot.servos is not None:  # a Dynamixel's torque falls with its speed; the model's own damping gives way to that
         model.dof_damping[dofs] = 0.0
-        slope = stall / np.array([robot.joints[name].velocity for name in trajectory.joint_names])
+        assert robot.servos.motor is not None
+        slope = stall / robot.servos.motor.no_load_speed
     else:
         slope = np.zeros(len(stall))
     cycle = robot.servos.cycle_s if robot.servos else UNITREE_CYCLE_S

@@ -48,7 +48,8 @@ def test_swinging_feet_may_move(op3, standing):
 @pytest.mark.parametrize("name", ["op3", "g1"])
 def test_leaning_robot_falls(name, request, standing):
     robot = request.getfixturevalue(name)
-    lean = {"op3": 0.88, "g1": 0.45}[name] * np.clip((np.arange(150) - 25) / 50, 0, 1)
+    share = np.clip((np.arange(150) - 25) / 60, 0, 1)
+    lean = {"op3": 0.88, "g1": 0.45}[name] * share**2 * (3 - 2 * share)
     ankles = {"op3": {"l_ank_pitch": 0.35, "r_ank_pitch": -0.35}, "g1": dict.fromkeys(
         ("left_ankle_pitch_joint", "right_ankle_pitch_joint"), -0.25)}[name]  # fmt: skip
     signs = {"op3": {"l_ank_pitch": -1, "r_ank_pitch": 1}, "g1": dict.fromkeys(ankles, 1)}[name]
