@@ -9,13 +9,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Queue
-from typing import Any
+from typing import Any, TypeVar
 
 import tyro
 import yaml
@@ -24,6 +24,7 @@ ROOT = Path(__file__).parents[2]
 LIST = Path(__file__).with_name("mutants.yaml")
 COPIED = ("ros_free_stack", "generator", "retarget", "sim", "hw", "pipeline", "tests", "launch.py", "pyproject.toml")
 LONGEST_S = 600.0
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -98,18 +99,18 @@ def noticed(mutant: Mutant, folder: Path) -> bool:
     path.write_text(mutant.applied(source), encoding="utf-8")
     try:
         # A test that hangs has noticed too.
-        return _pytest(folder, mutant.tests, LONGEST_S) != 0
+        return _pytest(folder, mutant.tests) != 0
     finally:
         path.write_text(source, encoding="utf-8")
 
 
-def _pytest(folder: Path, tests: tuple[str, ...], longest_s: float) -> int:
+def _pytest(folder: Path, tests: tuple[str, ...]) -> int:
     """Exit code of pytest; 5 (no test ran) and 4 (bad arguments) end everything, since they would pass for a death."""
     command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--reruns", "0", *tests]
     environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(folder), "HYPOTHESIS_STORAGE_DIRECTORY": ""}
     try:
         done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=longest_s, check=False
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LONGEST_S, check=False
         )
     except subprocess.TimeoutExpired:
         return 1
@@ -131,14 +132,23 @@ def main(only: str = "", jobs: int = 2) -> None:
     survived: list[Mutant] = []
     with copies(jobs) as free, ThreadPoolExecutor(jobs) as pool:
 
-        def attempt(mutant: Mutant) -> tuple[Mutant, bool]:
+        def with_copy(work: Callable[[Path], Result]) -> Result:
             folder = free.get()
             try:
-                return mutant, noticed(mutant, folder)
+                return work(folder)
             finally:
                 free.put(folder)
 
-        for mutant, killed in pool.map(attempt, tried):
+        # Tests that fail without a mutant would kill every one.
+        suites = sorted({mutant.tests for mutant in tried})
+        for suite, code in zip(
+            suites, pool.map(lambda suite: with_copy(lambda at: _pytest(at, suite)), suites), strict=True
+        ):
+            if code != 0:
+                raise SystemExit(f"error: without a mutant, pytest {' '.join(suite)} fails")
+        for mutant, killed in zip(
+            tried, pool.map(lambda item: with_copy(lambda at: noticed(item, at)), tried), strict=True
+        ):
             print("killed  " if killed else "SURVIVED", mutant.name, flush=True)
             if not killed:
                 survived.append(mutant)
