@@ -24,7 +24,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "convert": ("ros_free_stack.formats.cli:Convert", "a motion file to another format"),
     "validate": ("pipeline.validate:Validate", "judge a trajectory in MuJoCo, and repair it on request"),
     "render": ("sim.cli:Render", "draw a trajectory as a video"),
-    "play": ("sim.play:Play", "show a motion in a window or a browser"),
+    "play": ("sim.view.play:Play", "show a motion in a window or a browser"),
     "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
     "data build": ("generator.corpus.cli:DataBuild", "make the training corpus"),
     "data show": ("generator.corpus.cli:DataShow", "draw one clip of the corpus"),

@@ -38,7 +38,7 @@ from ros_free_stack.errors import HardwareFault
 from ros_free_stack.files import save_trajectory, save_verdict, write_text
 from ros_free_stack.messages import Floats, RobotTrajectory, Verdict
 from ros_free_stack.robots import ServoSafety, load_robot
-from sim.verdict import judge
+from sim.judge.verdict import judge
 
 ROOT = Path(__file__).parents[1]
 DOCUMENT = ROOT / "docs" / "hardware.md"

@@ -262,10 +262,10 @@ def robot_figures(retargeter: "Retargeter", joints: Floats, frames: int) -> list
     """The robot at the same moments, as tall as the human."""
     from scipy.spatial import ConvexHull
 
+    from sim.draw.shapes import body_shapes
+    from sim.draw.storyboard import body_colours
     from sim.model import judging_model
     from sim.reference import make_reference
-    from sim.shapes import body_shapes
-    from sim.storyboard import body_colours
 
     robot, motion = retargeter.robot, HumanMotion(joints, FPS)
     result = retargeter.retarget(motion)

@@ -81,7 +81,7 @@ class Row:
 
 def run(pipeline: Pipeline, prompt: str, seed: int, arguments: Arguments) -> Row:
     """Generate and retarget once, judge by the feedback controller and by what the servo driver does."""
-    from sim.storyboard import write_storyboard
+    from sim.draw.storyboard import write_storyboard
 
     segments, _ = pipeline.segments(prompt, anyway=True)
     found = pipeline.candidates(prompt, segments, seed=seed, candidates=arguments.candidates, timings=Timings())

@@ -16,11 +16,11 @@ from typing import Any, Final
 import casadi as ca
 import numpy as np
 
-from retarget.compiled import BufferedFunction
-from retarget.geometry import RobotGeometry
-from retarget.limits import JointBounds, reach
-from retarget.problem import DAMPING, POINT_WEIGHTS, ROTATION_WEIGHTS, STANCE_WEIGHTS, SWING_WEIGHTS
-from retarget.targets import Targets
+from retarget.body.compiled import BufferedFunction
+from retarget.body.geometry import RobotGeometry
+from retarget.plan.targets import Targets
+from retarget.solve.frame_problem import DAMPING, POINT_WEIGHTS, ROTATION_WEIGHTS, STANCE_WEIGHTS, SWING_WEIGHTS
+from retarget.solve.limits import JointBounds, reach
 from ros_free_stack.errors import MissingDependency
 from ros_free_stack.messages import Floats
 from ros_free_stack.robot_model import robot_spec

@@ -25,12 +25,13 @@ import tyro
 from corpus import performance
 from mink_peer import Mink
 
-from retarget.geometry import RobotGeometry, measure
-from retarget.human import align
-from retarget.pace import walking_pace
-from retarget.solver import FrameSolver
-from retarget.targets import Targets, leg_speed, make_targets, stride_share
-from retarget.timeline import plan_timeline
+from retarget.body.geometry import RobotGeometry, measure
+from retarget.clip.human import align
+from retarget.plan.pace import walking_pace
+from retarget.plan.stride import leg_speed, stride_share
+from retarget.plan.targets import Targets, make_targets
+from retarget.plan.timeline import plan_timeline
+from retarget.solve.frame_solver import FrameSolver
 from ros_free_stack.console import progress
 from ros_free_stack.formats import cmu
 from ros_free_stack.messages import Floats, HumanMotion
@@ -54,7 +55,7 @@ COLD: Final = """
 from time import process_time
 import sys
 import numpy as np
-from retarget.online import OnlineRetargeter
+from retarget.solve.online import OnlineRetargeter
 from ros_free_stack.robots import load_robot
 OnlineRetargeter(load_robot(sys.argv[1])).step(np.load(sys.argv[2]), 0.0)
 print(process_time())

@@ -31,13 +31,13 @@ from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription, load_robot
 from ros_free_stack.skeleton import FPS
 from ros_free_stack.thresholds import load_thresholds
-from sim.controllers import CONTROLLERS
+from sim.judge.repair import BALANCE_CHECKS
+from sim.judge.robustness import draw, wilson
+from sim.judge.verdict import kinematic_checks, playback_checks
 from sim.model import judging_model
-from sim.playback import FallLimits, Stage, play, set_stage
+from sim.playback.controllers import CONTROLLERS
+from sim.playback.physics import FallLimits, Stage, play, set_stage
 from sim.reference import Reference, make_reference
-from sim.repair import BALANCE_CHECKS
-from sim.robustness import draw, wilson
-from sim.verdict import kinematic_checks, playback_checks
 
 CLASSES: Final = {
     "gesture": ("wave", "raise_arm", "clap", "point", "salute", "reach", "punch"),

@@ -21,9 +21,9 @@ from ros_free_stack.messages import HumanMotion, RobotTrajectory
 from ros_free_stack.robot_model import kinematic_model, standing_qpos
 from ros_free_stack.robots import RobotDescription, load_robot, robot_names
 from ros_free_stack.skeleton import JOINT_COUNT
-from sim.film import make_film
-from sim.looks import visual_model
-from sim.render import FPS, draw_film
+from sim.draw.appearance import visual_model
+from sim.draw.playback_frames import make_film
+from sim.draw.render import FPS, draw_film
 
 WARM_UP = 3
 

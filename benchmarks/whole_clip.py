@@ -91,8 +91,8 @@ def motions(arguments: Arguments) -> Iterator[tuple[str, HumanMotion]]:
 
 def body(robot: RobotDescription, trajectory: RobotTrajectory) -> Body:
     """Kinematics by MuJoCo."""
-    from retarget.collision import Collision
-    from retarget.geometry import measure
+    from retarget.body.collision import Collision
+    from retarget.body.geometry import measure
 
     geometry = measure(robot)
     model, data, collision = geometry.model, mujoco.MjData(geometry.model), Collision(geometry)
@@ -151,8 +151,8 @@ class Peer:
     """mink on the targets of a robot's clips, or nothing where it is not installed."""
 
     def __init__(self, robot: RobotDescription) -> None:
-        from retarget.geometry import measure
-        from retarget.solver import FrameSolver
+        from retarget.body.geometry import measure
+        from retarget.solve.frame_solver import FrameSolver
 
         self._robot, self._geometry = robot, measure(robot)
         self._solver = FrameSolver(self._geometry)
@@ -219,7 +219,7 @@ def draw(path: Path, title: str, robot: RobotDescription, found: dict[str, tuple
 
 def main(arguments: Arguments) -> None:
     """Fill the tables motion by motion."""
-    from sim.verdict import judge
+    from sim.judge.verdict import judge
 
     make_folder(arguments.out)
     clips = list(motions(arguments))

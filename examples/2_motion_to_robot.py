@@ -15,8 +15,8 @@ def main(motion: Path, robot: str, out: Path) -> None:
     result = Retargeter(load_robot(robot)).retarget(load_motion(motion))
     for limb, error in result.report.position_error_cm.items():
         print(f"{limb:16s} {error.mean:5.2f} cm off on average, {error.max:5.2f} at worst")
-    for given_up in result.report.given_up:
-        print(f"given up: {given_up}")
+    for error in result.report.tracking_errors:
+        print(f"tracking error: {error}")
     save_trajectory(out, result.trajectory)
     print(f"wrote {out}: {result.trajectory.duration_s:.1f} s, {len(result.trajectory.joint_names)} joints")
 

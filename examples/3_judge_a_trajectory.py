@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ros_free_stack.files import load_trajectory, save_verdict
 from ros_free_stack.robots import load_robot
-from sim.storyboard import write_storyboard
-from sim.verdict import judge
+from sim.draw.storyboard import write_storyboard
+from sim.judge.verdict import judge
 
 
 def main(path: Path) -> None:

@@ -7,7 +7,7 @@ from ros_free_stack.messages import HumanMotion, RobotTrajectory
 
 if TYPE_CHECKING:
     from retarget.report import RetargetReport
-    from sim.verdict import Judgement
+    from sim.judge.verdict import Judgement
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from generator.performer import Performer
     from generator.text.encoder import TextEncoder
     from retarget.report import RetargetReport
-    from sim.verdict import Judgement
+    from sim.judge.verdict import Judgement
 
 Stage = TypeVar("Stage")
 
@@ -84,7 +84,7 @@ class Pipeline:
         return self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
-        """The robot's trajectory of a human motion, and what had to be given up."""
+        """The robot's trajectory of a human motion, and how far from its targets it had to stay."""
         from retarget.pipeline import Retargeter
 
         retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
@@ -93,14 +93,14 @@ class Pipeline:
 
     def judge(self, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> "Judgement":
         """The verdict on a trajectory, with its playback by a controller; None takes the pipeline's own."""
-        from sim.verdict import judge
+        from sim.judge.verdict import judge
 
         return judge(trajectory, self.robot, mount=self.mount, controller=controller or self.controller or "default")
 
     def repair(self, candidate: Candidate) -> Candidate:
         """The candidate, or what other controllers and gentler motions make of it."""
         from ros_free_stack.formats.frames import resample
-        from sim.repair import repair
+        from sim.judge.repair import repair
 
         reports = {candidate.trajectory.digest: candidate.report}
 

@@ -147,7 +147,7 @@ class Run(Command):
     def _report(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
         """Write report and video, with what the servos did where there was a stream."""
         from ros_free_stack.files import load_telemetry
-        from sim.report import write_report
+        from sim.draw.report import write_report
 
         path = self.out / TELEMETRY
         telemetry = load_telemetry(path) if path.exists() else None
@@ -164,7 +164,7 @@ class Run(Command):
 
     def _video(self, best: Candidate, robot: RobotDescription) -> list[str]:
         from ros_free_stack.errors import MissingDependency
-        from sim.render import render_video
+        from sim.draw.render import render_video
 
         try:
             render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot, best.motion)
@@ -183,7 +183,7 @@ class Run(Command):
 
     def _say_why_not(self, best: Candidate, pipeline: Pipeline) -> None:
         """Why nothing is streamed, and what would do where it is balance alone that fails."""
-        from sim.repair import BALANCE_CHECKS
+        from sim.judge.repair import BALANCE_CHECKS
 
         say("nothing is streamed: no candidate passed with what the servo driver does, which is to send plain angles")
         failed = {check.name for check in best.judgement.verdict.failures}

@@ -32,7 +32,7 @@ class Simulate(Command):
     def run(self) -> int:
         from hw.virtual.bus import VirtualBus
         from ros_free_stack.files import save_trajectory
-        from sim.servo_world import ServoWorld
+        from sim.playback.servo_world import ServoWorld
 
         robot = load_robot(self.robot)
         world = ServoWorld(robot, mount=self.mount)

@@ -11,7 +11,7 @@ from ros_free_stack.robots import RobotDescription
 from sim.cli import Validate as ValidateAlone
 
 if TYPE_CHECKING:
-    from sim.verdict import Judgement
+    from sim.judge.verdict import Judgement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class Validate(ValidateAlone):
             return super()._judge(trajectory, motion, robot)
         from retarget.pipeline import Retargeter
         from ros_free_stack.files import save_motion, save_trajectory
-        from sim.repair import repair
+        from sim.judge.repair import repair
 
         retargeter = Retargeter(robot)
         found = repair(

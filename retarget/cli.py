@@ -53,8 +53,8 @@ class Retarget(ReadsMotion):
         table = self.out.with_suffix(".csv")
         save_trajectory_csv(table, result.trajectory)
         save_trajectory(self.out, result.trajectory)
-        for item in result.report.given_up:
-            say(f"given up: {item}")
+        for item in result.report.tracking_errors:
+            say(f"tracking error: {item}")
         for line in result.report.failures():
             say(line)
         for start, end in result.report.unsolved_s:

@@ -6,19 +6,20 @@ from typing import Literal
 
 import numpy as np
 
-from retarget.balance import INSIDE_M, LONGEST_SHIFT, SHRINK, balanced_com, nearer, supports, zmp_excess
-from retarget.dynamics import whole_body_dynamics
-from retarget.geometry import RobotGeometry, measure
-from retarget.held import held_targets, own_pace
-from retarget.human import HumanClip, align
-from retarget.latch import latch
-from retarget.pace import walking_pace
+from retarget.balance.com_plan import INSIDE_M, LONGEST_SHIFT, SHRINK, balanced_com, nearer, supports, zmp_excess
+from retarget.balance.dynamics import whole_body_dynamics
+from retarget.body.geometry import RobotGeometry, measure
+from retarget.clip.human import HumanClip, align
+from retarget.plan.foothold_update import latch
+from retarget.plan.held import held_targets, own_pace
+from retarget.plan.pace import walking_pace
+from retarget.plan.stride import leg_speed, stride_share
+from retarget.plan.targets import Targets, make_targets
+from retarget.plan.timeline import plan_timeline
 from retarget.report import RetargetReport, make_report
-from retarget.solution import Solution
-from retarget.solver import FrameSolver
-from retarget.targets import Targets, leg_speed, make_targets, stride_share
-from retarget.timeline import plan_timeline
-from retarget.whole_clip import ClipSolver
+from retarget.solve.frame_solver import FrameSolver
+from retarget.solve.solution import Solution
+from retarget.solve.whole_clip import ClipSolver
 from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
@@ -32,7 +33,7 @@ Unsolved = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class RetargetResult:
-    """A trajectory and what had to be given up for it."""
+    """A trajectory, and how far from its targets it had to stay."""
 
     trajectory: RobotTrajectory
     report: RetargetReport

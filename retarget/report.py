@@ -1,20 +1,17 @@
-"""What retargeting had to give up, in words and numbers: limb errors, joints at their limits, feet that slipped."""
+"""What retargeting could not keep, in words and numbers: limb errors, joints at their limits, feet that slipped."""
 
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from retarget.balance import INSIDE_M
-from retarget.geometry import RobotGeometry
-from retarget.limits import active_limits
-from retarget.runs import runs
-from retarget.solution import Solution
-from retarget.targets import Targets
+from retarget.balance.com_plan import INSIDE_M
+from retarget.body.geometry import RobotGeometry
+from retarget.clip.runs import runs
+from retarget.plan.targets import TRACKING_ERROR_SHARE, Targets
+from retarget.solve.limits import active_limits
+from retarget.solve.solution import Solution
 from ros_free_stack.messages import Floats
-
-GIVEN_UP_SHARE = 0.1
-"""A limb farther from its target than this share of the robot's leg length has been given up."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class GivenUp:
+class TrackingError:
     """A limb that could not follow: when (s), by how many cm at worst, and the limits that joints were at meanwhile."""
 
     limb: str
@@ -48,7 +45,7 @@ class RetargetReport:
     Attributes:
         position_error_cm: mean and largest error of every followed point and sole.
         limited_joints: share of frames in which each joint was held by its range, speed or acceleration limit.
-        given_up: limbs that could not follow their targets, and when.
+        tracking_errors: limbs that could not follow their targets, and when.
         slipped_contact_s: time in which a standing foot could not be kept on its foothold, all feet together.
         flight_s: time without any foot on the floor; the balance pass leaves it as it is.
         stride_scale: travel over the floor, over that of the human at the robot's size; 1 where nothing was shortened.
@@ -65,7 +62,7 @@ class RetargetReport:
 
     position_error_cm: dict[str, Spread]
     limited_joints: dict[str, float]
-    given_up: tuple[GivenUp, ...]
+    tracking_errors: tuple[TrackingError, ...]
     slipped_contact_s: float
     flight_s: float
     stride_scale: float
@@ -116,7 +113,7 @@ def make_report(
         limited_joints={
             name: float(share) for name, share in zip(geometry.robot.joint_names, shares, strict=True) if share > 0
         },
-        given_up=tuple(_given_up(geometry, targets, solution, errors)),
+        tracking_errors=tuple(_tracking_errors(geometry, targets, solution, errors)),
         slipped_contact_s=float(solution.released.sum()) / targets.fps,
         flight_s=0.0 if geometry.held else float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
         stride_scale=stride_scale,
@@ -135,12 +132,12 @@ def _spread_cm(values: Floats) -> Spread:
     return Spread(100 * float(values.mean()), 100 * float(values.max()))
 
 
-def _given_up(
+def _tracking_errors(
     geometry: RobotGeometry, targets: Targets, solution: Solution, errors: dict[str, np.ndarray]
-) -> list[GivenUp]:
-    threshold = GIVEN_UP_SHARE * geometry.limb_length
+) -> list[TrackingError]:
+    threshold = TRACKING_ERROR_SHARE * geometry.limb_length
     limits = active_limits(geometry.robot, solution.qpos[:, geometry.qpos_index], targets.fps)
-    found: list[GivenUp] = []
+    found: list[TrackingError] = []
     for limb, error in errors.items():
         for start, end in runs(error > threshold):
             held = {kind: np.asarray(at[start:end].any(axis=0)) for kind, at in limits.items()}
@@ -150,5 +147,5 @@ def _given_up(
                 if any(at[j] for at in held.values())
             }
             worst = 100 * float(error[start:end].max())
-            found.append(GivenUp(limb, start / targets.fps, end / targets.fps, worst, joints))
+            found.append(TrackingError(limb, start / targets.fps, end / targets.fps, worst, joints))
     return found

@@ -11,7 +11,7 @@ from ros_free_stack.console import Command
 if TYPE_CHECKING:
     from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory
     from ros_free_stack.robots import RobotDescription
-    from sim.verdict import Judgement
+    from sim.judge.verdict import Judgement
 
 INFEASIBLE = 3
 
@@ -50,7 +50,7 @@ class Validate(Command):
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, make_folder, save_verdict
         from ros_free_stack.robots import load_robot
-        from sim.report import write_report
+        from sim.draw.report import write_report
 
         if self.out is not None and not self.physics:
             raise InvalidOption(
@@ -85,7 +85,7 @@ class Validate(Command):
         self, trajectory: "RobotTrajectory", motion: "HumanMotion | None", robot: "RobotDescription"
     ) -> "tuple[RobotTrajectory, HumanMotion | None, Judgement]":
         """The judgement, with the trajectory and the human motion that it is about."""
-        from sim.verdict import judge
+        from sim.judge.verdict import judge
 
         judgement = judge(
             trajectory,
@@ -128,8 +128,8 @@ class Render(Command):
         from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import load_motion, load_trajectory, make_folder
         from ros_free_stack.robots import load_robot
+        from sim.draw.render import render_video
         from sim.reference import check_belongs
-        from sim.render import render_video
 
         if self.out.suffix != ".mp4":
             raise InvalidOption("--out", f"expected a name that ends in .mp4, found {str(self.out)!r}")

@@ -6,8 +6,8 @@ import casadi as ca
 import mujoco
 import numpy as np
 
-from retarget.geometry import measure
-from retarget.kinematics import Kinematics
+from retarget.body.geometry import measure
+from retarget.body.kinematics import Kinematics
 from retarget.pipeline import Retargeter
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.messages import Floats, HumanMotion, RobotTrajectory

@@ -20,7 +20,7 @@ from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, l
 from ros_free_stack.messages import ControllerName, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import FPS
-from sim.verdict import Judgement
+from sim.judge.verdict import Judgement
 
 WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candidates", "2", "--no-video", "--json")
 EXAMPLES = Path(launch.__file__).parent / "examples"

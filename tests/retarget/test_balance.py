@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from retarget.balance import Support, balanced_com, nearer, zmp_excess
-from retarget.dynamics import Dynamics, whole_body_dynamics
-from retarget.geometry import measure
+from retarget.balance.com_plan import Support, balanced_com, nearer, zmp_excess
+from retarget.balance.dynamics import Dynamics, whole_body_dynamics
+from retarget.body.geometry import measure
 from ros_free_stack.errors import SolverFailed
 from ros_free_stack.robots import load_robot
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from retarget.clearance import NEAR, Clearance
-from retarget.collision import Collision, capsule_limbs
-from retarget.differences import moved
-from retarget.geometry import measure
+from retarget.body.clearance import NEAR, Clearance
+from retarget.body.collision import Collision, capsule_limbs
+from retarget.body.geometry import measure
+from retarget.solve.differences import moved
 from ros_free_stack.robots import load_robot
 
 STEP = 1e-6

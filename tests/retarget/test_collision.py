@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import minimize
 
-from retarget.collision import APPROACH_RATE, Collision, capsule_limbs, nearest_points
+from retarget.body.collision import APPROACH_RATE, Collision, capsule_limbs, nearest_points
+from retarget.body.geometry import measure
 from retarget.describe.capsules import distance_outside, fit_capsules, hull_surface
-from retarget.geometry import measure
 from retarget.pipeline import retarget
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.robot_model import joint_addresses, robot_spec

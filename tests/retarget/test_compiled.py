@@ -7,13 +7,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from retarget.compiled import BufferedFunction, compiled
+from retarget.body.compiled import BufferedFunction, compiled
 
 SCRIPT = """
 import sys
 from pathlib import Path
 import casadi as ca
-from retarget.compiled import compiled
+from retarget.body.compiled import compiled
 x = ca.SX.sym("x", 2, 3)
 print(compiled(ca.Function("square", [x], [x * ca.sin(x)], ["x"], ["y"]), Path(sys.argv[1])).class_name())
 """

@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from retarget.differences import Stretch, moved, steps
+from retarget.solve.differences import Stretch, moved, steps
 from ros_free_stack.robot_model import kinematic_model
 from ros_free_stack.robots import load_robot
 

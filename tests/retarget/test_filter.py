@@ -1,4 +1,4 @@
-from retarget.filter import Filter
+from retarget.solve.filter import Filter
 
 
 def test_takes_what_is_cheaper_or_violates_less():

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from retarget.floor import put_on_level_floor
-from retarget.human import SIDES, align, joint
+from retarget.clip.floor import put_on_level_floor
+from retarget.clip.human import SIDES, align, joint
 from ros_free_stack.messages import HumanMotion
 
 ABOVE = 0.7

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from retarget.footsteps import FootPath, clean_path
+from retarget.plan.footsteps import FootPath, clean_path
 
 FPS, ANKLE, CLEARANCE = 50.0, 0.05, 0.02
 CORNERS = np.array([[x, y, -ANKLE] for x in (-0.04, 0.09) for y in (-0.02, 0.02)])

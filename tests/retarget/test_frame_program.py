@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from retarget.frame_program import EQUALITY, SOFT, FrameProgram
+from retarget.solve.frame_program import EQUALITY, SOFT, FrameProgram
 
 
 def program(lower: list[float], upper: list[float], row: list[float], bound: tuple[float, float]) -> FrameProgram:

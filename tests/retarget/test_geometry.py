@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from retarget.geometry import measure
+from retarget.body.geometry import measure
 from retarget.pipeline import Retargeter
 from ros_free_stack.errors import InvalidFile, UnsupportedModel
 from ros_free_stack.robots import RobotDescription, load_robot

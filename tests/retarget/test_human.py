@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from retarget.human import align, pelvis_rotation, torso_rotation
+from retarget.clip.human import align, pelvis_rotation, torso_rotation
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.skeleton import INDEX
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from retarget.kinematics import Kinematics, rotation_error
+from retarget.body.kinematics import Kinematics, rotation_error
 from ros_free_stack.couplings import fold, joint_couplings, settle
 from ros_free_stack.errors import UnsupportedModel
 from ros_free_stack.robot_model import kinematic_model

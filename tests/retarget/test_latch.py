@@ -2,9 +2,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from retarget.geometry import measure
-from retarget.latch import latch
-from retarget.targets import Targets
+from retarget.body.geometry import measure
+from retarget.plan.foothold_update import latch
+from retarget.plan.targets import Targets
 from ros_free_stack.robots import load_robot
 
 COUNT = 40

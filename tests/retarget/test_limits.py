@@ -3,8 +3,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from retarget.geometry import measure
-from retarget.limits import JointBounds, reach
+from retarget.body.geometry import measure
+from retarget.solve.limits import JointBounds, reach
 from ros_free_stack.robots import load_robot
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from retarget.footsteps import FootPath, hand_overs, prolong_double_support, spread_footholds
-from retarget.human import align
-from retarget.pace import swings, walking_pace
+from retarget.clip.human import align
+from retarget.plan.footsteps import FootPath, hand_overs, prolong_double_support, spread_footholds
+from retarget.plan.pace import swings, walking_pace
 from ros_free_stack.messages import HumanMotion
 
 CORNERS = np.array([[-0.04, -0.03, 0.0], [-0.04, 0.03, 0.0], [0.08, -0.03, 0.0], [0.08, 0.03, 0.0]])

@@ -2,8 +2,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from retarget.frame_program import FrameProgram
 from retarget.pipeline import Retargeter, RetargetResult
+from retarget.solve.frame_program import FrameProgram
 from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.robot_model import joint_addresses, kinematic_model, sole_corners
@@ -125,12 +125,12 @@ def test_out_of_reach_is_reported_and_stays_within_limits(retargeter, motions):
     joints[:, INDEX["left_wrist"]] = joints[:, INDEX["left_elbow"]] + [-0.15, -0.2, 0.1]
     joints[::2, INDEX["right_wrist"]] = joints[::2, INDEX["right_elbow"]] + [0, 0, 0.25]
     result = retargeter.retarget(HumanMotion(joints, 20.0))
-    assert result.report.given_up
-    assert all(entry.worst_cm > 0 and entry.end_s > entry.start_s for entry in result.report.given_up)
+    assert result.report.tracking_errors
+    assert all(entry.worst_cm > 0 and entry.end_s > entry.start_s for entry in result.report.tracking_errors)
     assert result.report.limited_joints
-    kinds = {kind for entry in result.report.given_up for kinds in entry.joints.values() for kind in kinds}
+    kinds = {kind for entry in result.report.tracking_errors for kinds in entry.joints.values() for kind in kinds}
     assert kinds and kinds <= {"range", "speed", "acceleration"}
-    assert "at the limit of" in str(max(result.report.given_up, key=lambda entry: len(entry.joints)))
+    assert "at the limit of" in str(max(result.report.tracking_errors, key=lambda entry: len(entry.joints)))
     test_keeps_every_joint_limit({"broken": result}, retargeter)
 
 

@@ -6,8 +6,8 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from retarget.differences import Sparse, Stretch
-from retarget.repair import repaired
+from retarget.solve.differences import Sparse, Stretch
+from retarget.solve.joint_repair import repaired
 
 
 @settings(max_examples=20, deadline=None)

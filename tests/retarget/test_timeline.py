@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from retarget.timeline import HOLD_S, Pace, plan_timeline
+from retarget.plan.timeline import HOLD_S, Pace, plan_timeline
 
 
 def steady(duration: float, slowdown: float = 1.0) -> Pace:

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from retarget import trajectory_qp
-from retarget.differences import Stretch
-from retarget.trajectory_qp import SLACK_PRICE, LimitedDifferences, Quadratic, SoftRows, TrajectoryQP
+from retarget.solve import trajectory_qp
+from retarget.solve.differences import Stretch
+from retarget.solve.trajectory_qp import SLACK_PRICE, LimitedDifferences, Quadratic, SoftRows, TrajectoryQP
 
 
 def differences(count: int) -> tuple[np.ndarray, np.ndarray]:

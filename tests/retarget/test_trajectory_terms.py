@@ -2,10 +2,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from retarget.differences import moved
-from retarget.frame_batch import CHUNK, BatchFunction
-from retarget.geometry import measure
-from retarget.trajectory_terms import trajectory_terms
+from retarget.body.frame_batch import CHUNK, BatchFunction
+from retarget.body.geometry import measure
+from retarget.solve.differences import moved
+from retarget.solve.trajectory_terms import trajectory_terms
 from ros_free_stack.robots import load_robot
 
 COUNT = CHUNK + 6

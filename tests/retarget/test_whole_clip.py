@@ -6,19 +6,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from retarget import whole_clip
-from retarget.balance import LONGEST_SHIFT
-from retarget.collision import Collision
-from retarget.geometry import measure
-from retarget.human import align
-from retarget.limits import JointBounds
-from retarget.pace import walking_pace
+from retarget.balance.com_plan import LONGEST_SHIFT
+from retarget.body.collision import Collision
+from retarget.body.geometry import measure
+from retarget.clip.human import align
 from retarget.pipeline import Retargeter
-from retarget.solver import FrameSolver
-from retarget.targets import Targets, leg_speed, make_targets, stride_share
-from retarget.timeline import plan_timeline
-from retarget.whole_clip import ClipSolver
-from retarget.windows import windows
+from retarget.plan.pace import walking_pace
+from retarget.plan.stride import leg_speed, stride_share
+from retarget.plan.targets import Targets, make_targets
+from retarget.plan.timeline import plan_timeline
+from retarget.solve import whole_clip
+from retarget.solve.frame_solver import FrameSolver
+from retarget.solve.limits import JointBounds
+from retarget.solve.whole_clip import ClipSolver
+from retarget.solve.windows import windows
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.robots import load_robot
 

@@ -3,7 +3,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from retarget.windows import windows
+from retarget.solve.windows import windows
 
 
 @given(total=st.integers(1, 5000), length=st.integers(20, 400), overlap=st.integers(0, 19))

@@ -9,13 +9,13 @@ import pytest
 from ros_free_stack.errors import UnknownName
 from ros_free_stack.robot_model import add_floor, joint_addresses
 from ros_free_stack.robots import load_robot
-from sim.actuation import read_servos
-from sim.controllers import corner_loads, make_controller
-from sim.estimation import EncodersAndImu, SensorNoise, TrueState
+from sim.judge.zmp import zero_moment_point
 from sim.model import TIMESTEP_S, judging_model
-from sim.playback import Disturbance, FallLimits, play, set_stage
+from sim.playback.actuation import read_servos
+from sim.playback.controllers import corner_loads, make_controller
+from sim.playback.estimation import EncodersAndImu, SensorNoise, TrueState
+from sim.playback.physics import Disturbance, FallLimits, play, set_stage
 from sim.reference import make_reference
-from sim.zmp import zero_moment_point
 
 LIMITS = FallLimits(0.1, 0.8)
 

@@ -11,12 +11,12 @@ from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription, load_robot
 from ros_free_stack.thresholds import LEVELS, Level, Threshold, load_thresholds
-from sim.checks.tracking import motor
+from sim.judge.checks.tracking import motor
+from sim.judge.robustness import Robustness
+from sim.judge.verdict import judge, kinematic_checks, playback_checks, robustness_check
 from sim.model import judging_model
-from sim.playback import FallLimits, Playback, play, set_stage
+from sim.playback.physics import FallLimits, Playback, play, set_stage
 from sim.reference import Reference, make_reference
-from sim.robustness import Robustness
-from sim.verdict import judge, kinematic_checks, playback_checks, robustness_check
 
 LIMITS = FallLimits(0.1, 0.8)
 

@@ -8,10 +8,10 @@ import pytest
 
 from ros_free_stack.robot_model import joint_addresses
 from ros_free_stack.robots import load_robot
-from sim.estimation import posed
-from sim.footholds import Footholds
 from sim.model import judging_model
-from sim.playback import HOLD_S, set_stage
+from sim.playback.estimation import posed
+from sim.playback.footholds import Footholds
+from sim.playback.physics import HOLD_S, set_stage
 from sim.reference import make_reference
 
 LIFTED_S, LANDED_S = 0.4, 0.6

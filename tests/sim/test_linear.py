@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros_free_stack.errors import SolverFailed
-from sim.linear import damped_shares, solve_definite
+from sim.playback.linear import damped_shares, solve_definite
 
 
 @given(st.integers(0, 2**32 - 1))

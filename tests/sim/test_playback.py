@@ -8,9 +8,9 @@ import pytest
 
 from ros_free_stack.messages import Mount
 from ros_free_stack.robot_model import joint_addresses, standing_qpos
-from sim.inverse_dynamics import inverse_dynamics
 from sim.model import TIMESTEP_S, judging_model
-from sim.playback import FallLimits, play, set_stage
+from sim.playback.inverse_dynamics import inverse_dynamics
+from sim.playback.physics import FallLimits, play, set_stage
 from sim.reference import make_reference
 
 

@@ -13,14 +13,14 @@ from ros_free_stack.errors import InvalidOption, MissingDependency, ModelMismatc
 from ros_free_stack.files import save_motion, save_trajectory
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import JOINT_COUNT
-from sim import gl
 from sim.cli import Render
-from sim.film import make_film
-from sim.lettering import Lettering, blend, label
-from sim.looks import extent, merge_vertices, visual_model
-from sim.markers import AT_LIMIT, LimitPaint, add_contacts, add_zmp, contains, support_polygon
-from sim.render import draw_film, render_video
-from sim.verdict import judge
+from sim.draw import gl
+from sim.draw.appearance import extent, merge_vertices, visual_model
+from sim.draw.markers import AT_LIMIT, LimitPaint, add_contacts, add_zmp, contains, support_polygon
+from sim.draw.playback_frames import make_film
+from sim.draw.render import draw_film, render_video
+from sim.draw.text_overlay import Lettering, blend, label
+from sim.judge.verdict import judge
 
 SQUARE = np.array([[0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0.0]])
 
@@ -62,7 +62,7 @@ def test_osmesa_draws_where_egl_does_not_work(tmp_path):
     """A process whose EGL finds no driver passes it over and says what draws."""
     if not gl.find_library("OSMesa"):
         pytest.skip("OSMesa is not installed (libosmesa6)")
-    code = "from sim.gl import gl_context\nwith gl_context(64, 48): pass"
+    code = "from sim.draw.gl import gl_context\nwith gl_context(64, 48): pass"
     environment = os.environ | {"__EGL_VENDOR_LIBRARY_DIRS": str(tmp_path), "MUJOCO_GL": "", "PYOPENGL_PLATFORM": ""}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

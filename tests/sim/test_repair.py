@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.robot_model import kinematic_model, standing_qpos
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
-from sim.repair import GENTLER, Change, gentler, repair, turning
+from sim.judge.repair import GENTLER, Change, gentler, repair, turning
 
 
 def person(frames: int = 40) -> HumanMotion:

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
+from sim.judge.robustness import draw, perturbed_runs, wilson
+from sim.judge.verdict import judge
 from sim.model import judging_model
-from sim.playback import FallLimits, set_stage
+from sim.playback.physics import FallLimits, set_stage
 from sim.reference import make_reference
-from sim.robustness import draw, perturbed_runs, wilson
-from sim.verdict import judge
 
 LIMITS = FallLimits(0.1, 0.8)
 

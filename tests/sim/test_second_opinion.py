@@ -13,7 +13,7 @@ import pytest
 
 from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
-from sim.verdict import judge
+from sim.judge.verdict import judge
 
 STEP_S, HOLD_S = 0.0005, 0.5
 UNITREE_CYCLE_S = 0.002

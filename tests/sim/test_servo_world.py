@@ -5,7 +5,7 @@ import pytest
 from hw.virtual.bus import VirtualBus
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.robots import load_robot
-from sim.servo_world import ServoWorld
+from sim.playback.servo_world import ServoWorld
 
 OP3 = load_robot("op3")
 

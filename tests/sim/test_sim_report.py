@@ -16,12 +16,12 @@ from ros_free_stack.messages import HumanMotion, Segment, ServoTelemetry
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import JOINT_COUNT
 from sim.cli import Validate
+from sim.draw.report import write_report
+from sim.draw.storyboard import write_storyboard
+from sim.draw.worst import culprits
+from sim.judge.verdict import judge
 from sim.model import judging_model
 from sim.reference import make_reference
-from sim.report import write_report
-from sim.storyboard import write_storyboard
-from sim.verdict import judge
-from sim.worst import culprits
 
 
 class Page(HTMLParser):

@@ -7,7 +7,7 @@ import pytest
 
 from ros_free_stack.errors import InvalidMessage, InvalidOption, ModelMismatch, UnknownName
 from ros_free_stack.robots import load_robot
-from sim.verdict import judge
+from sim.judge.verdict import judge
 
 
 def failures(judgement) -> set[str]:

@@ -20,13 +20,13 @@ from ros_free_stack.errors import InvalidOption
 from ros_free_stack.files import save_motion, save_trajectory
 from ros_free_stack.messages import HumanMotion
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
-from sim.browser import BrowserViewer, human_viewer, robot_viewer
-from sim.film import make_film
-from sim.looks import visual_model
-from sim.play import Play
-from sim.player import Player
-from sim.verdict import judge
-from sim.window import DOWN, LEFT, RIGHT, SPACE, UP, press
+from sim.draw.appearance import visual_model
+from sim.draw.playback_frames import make_film
+from sim.judge.verdict import judge
+from sim.view.browser import BrowserViewer, human_viewer, robot_viewer
+from sim.view.play import Play
+from sim.view.player import Player
+from sim.view.window import DOWN, LEFT, RIGHT, SPACE, UP, press
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ros_free_stack.robot_model import kinematic_model, standing_qpos
-from sim.zmp import zero_moment_point
+from sim.judge.zmp import zero_moment_point
 
 BALL = """
 <mujoco><worldbody><body pos="0 0 0.8"><freejoint/><geom size="0.05" mass="2"/></body></worldbody></mujoco>
