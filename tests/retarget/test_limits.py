@@ -1,5 +1,6 @@
 import casadi as ca
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -47,6 +48,14 @@ def test_a_joint_far_from_its_range_may_use_its_full_speed():
     bounds, middle = JointBounds.of(robot, 50.0), (robot.lower + robot.upper) / 2
     _, high = allowed(bounds, middle, bounds.step)
     np.testing.assert_allclose(high - middle, robot.velocity / 50, rtol=1e-6)
+
+
+@pytest.mark.parametrize("fps", [20.0, 50.0, 125.0])
+def test_bounds_stay_a_little_inside_the_limits_at_any_rate(fps: float):
+    robot = load_robot("op3")
+    bounds = JointBounds.of(robot, fps)
+    for step, limit in ((bounds.step * fps, robot.velocity), (bounds.change * fps**2, robot.acceleration)):
+        assert (step < limit).all() and (step > 0.99 * limit).all()
 
 
 def test_a_joint_comes_to_the_end_of_its_range():

@@ -182,3 +182,24 @@ def test_telemetry_round_trip(tmp_path: Path):
         assert np.array_equal(getattr(back, item.name), getattr(telemetry, item.name)), item.name
     with pytest.raises(InvalidFile, match="robot_trajectory"):
         load_trajectory(tmp_path / "telemetry.npz")
+
+
+def test_a_file_of_another_version_is_refused(tmp_path: Path):
+    path = tmp_path / "t.npz"
+    save_trajectory(path, make_trajectory(np.ones((2, 2))))
+    with np.load(path) as archive:
+        data = dict(archive)
+    np.savez(path, **{**data, "version": np.array(int(data["version"]) + 1)})
+    with pytest.raises(InvalidFile, match="version"):
+        load_trajectory(path)
+
+
+@pytest.mark.parametrize("passed", [True, False])
+def test_a_verdict_whose_word_is_not_that_of_its_checks_is_refused(tmp_path: Path, passed):
+    path = tmp_path / "v.json"
+    save_verdict(path, Verdict("op3", "a", "b", (Check("range", 0.1, "rad", 0.0 if passed else 1.0, not passed),)))
+    content = json.loads(path.read_text())
+    assert content["passed"] is not passed
+    path.write_text(json.dumps({**content, "passed": passed}))
+    with pytest.raises(InvalidFile, match="passed"):
+        load_verdict(path)

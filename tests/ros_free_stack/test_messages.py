@@ -88,3 +88,57 @@ def test_verdict_needs_at_least_one_check_and_all_passed():
     assert not Verdict("op3", "", "", ()).passed
     assert not Verdict("op3", "", "", (good, bad)).passed
     assert Verdict("op3", "", "", (good, bad)).failures == (bad,)
+
+
+def _changed(array, index, value):
+    changed = np.array(array)
+    changed[index] = value
+    return changed
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"robot": "g1"},
+        {"model_sha256": "1" * 64},
+        {"joint_names": ("a", "c")},
+        {"foot_names": ("left", "other")},
+        {"fps": 50.000001},
+        {"root_pos": _changed(np.zeros((3, 3)), (2, 2), 1e-12)},
+        {"root_quat": np.tile([-1.0, 0, 0, 0], (3, 1))},
+        {"joint_pos": _changed(np.zeros((3, 2)), (0, 1), 1e-12)},
+        {"contacts": _changed(np.ones((3, 2), bool), (1, 0), False)},
+    ],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_digest_sees_every_field(changes):
+    assert trajectory(**changes).digest != trajectory().digest
+
+
+def test_every_field_of_a_trajectory_is_in_the_digest_test():
+    (mark,) = test_digest_sees_every_field.pytestmark
+    assert {name for changes in mark.args[1] for name in changes} == {
+        field.name for field in dataclasses.fields(RobotTrajectory)
+    }
+
+
+@pytest.mark.parametrize("off", [1e-5, -1e-5])
+def test_quaternions_a_little_off_unit_norm_are_refused(off):
+    root_quat = np.tile([1.0, 0, 0, 0], (3, 1))
+    root_quat[1] *= 1 + off
+    with pytest.raises(InvalidMessage, match=r"root_quat.*frame 1"):
+        trajectory(root_quat=root_quat)
+
+
+@pytest.mark.parametrize(
+    ("value", "minimum", "holds"),
+    [(1.0, False, True), (1.1, False, False), (1.0, True, True), (1.1, True, True), (0.9, True, False)],
+)
+def test_a_check_holds_by_its_numbers_alone(value, minimum, holds):
+    for passed in (True, False):
+        assert Check("a", value, "m", 1.0, passed, minimum=minimum).holds is holds
+
+
+@pytest.mark.parametrize("minimum", [True, False])
+def test_no_number_never_holds(minimum):
+    assert not Check("a", float("nan"), "m", 1.0, True, minimum=minimum).holds

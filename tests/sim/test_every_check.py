@@ -187,6 +187,31 @@ def test_a_playback_that_breaks_one_rule(name, played):
     assert {check.name for check in checks if not check.passed} == {name}
 
 
+def spread(playback: Playback, name: str, *, frame: int, joint: int, value: float) -> Playback:
+    """The playback with one value of one array changed."""
+    values = np.array(getattr(playback, name))
+    values[frame, joint] = value
+    return dataclasses.replace(playback, **{name: values})
+
+
+def test_heat_is_that_of_the_hottest_moment(played):
+    reference, playback = played
+    hot = spread(playback, "heating", frame=20, joint=3, value=46.0)
+    limits = load_thresholds("default", scale=size_scale(reference.robot, reference.model))
+    (check,) = (c for c in playback_checks(reference, hot, limits, "free") if c.name == "servo_heat")
+    assert not check.passed and check.worst_frame == 20 and check.worst_item == reference.robot.joint_names[3]
+
+
+def test_saturation_is_that_of_the_busiest_servo(played):
+    reference, playback = played
+    saturated = np.zeros_like(playback.saturated)
+    saturated[::2, 5] = 1.0
+    busy = dataclasses.replace(playback, saturated=saturated)
+    limits = load_thresholds("default", scale=size_scale(reference.robot, reference.model))
+    (check,) = (c for c in playback_checks(reference, busy, limits, "free") if c.name == "torque_saturation")
+    assert check.value == pytest.approx(0.5) and check.worst_item == reference.robot.joint_names[5]
+
+
 def test_a_motion_that_seldom_succeeds():
     limit = load_thresholds("default", scale=1.0)["robustness"]
     assert not robustness_check(Robustness(runs=20, stood=10), limit).passed

@@ -9,8 +9,9 @@ import pytest
 from ros_free_stack.messages import Mount
 from ros_free_stack.robot_model import joint_addresses, standing_qpos
 from sim.model import TIMESTEP_S, judging_model
+from sim.playback.estimation import SensorNoise
 from sim.playback.inverse_dynamics import inverse_dynamics
-from sim.playback.physics import FallLimits, play, set_stage
+from sim.playback.physics import Disturbance, FallLimits, play, set_stage
 from sim.reference import make_reference
 
 
@@ -150,3 +151,26 @@ def test_robot_without_actuators(op3, standing, monkeypatch):
     model.actuator_gainprm[:, 0] = 0
     with pytest.raises(InvalidFile, match="no position actuator"):
         set_stage(dataclasses.replace(reference, model=model))
+
+
+@pytest.mark.parametrize("limits", [FallLimits(height=9.0, orientation=0.5), FallLimits(height=0.1, orientation=9.0)])
+def test_a_robot_that_topples_has_fallen_by_height_and_by_orientation(op3, standing, limits):
+    lean = np.linspace(0, 0.6, 100)
+    trajectory = standing(op3, frames=100, joints={"l_ank_pitch": lean, "r_ank_pitch": -lean})
+    reference = make_reference(trajectory, op3, judging_model(op3))
+    assert play(set_stage(reference), limits, controller="pd").fell_at_s is not None
+    assert play(set_stage(reference), FallLimits(9.0, 9.0), controller="pd").fell_at_s is None
+
+
+@pytest.mark.parametrize("late", [0, 1, 3])
+def test_goals_arrive_when_the_plan_says_and_later_by_what_the_bus_is_late(op3, standing, late):
+    """The controller sends its goals as much earlier as they are on their way on a bus that is in time."""
+    start = 50
+    jump = np.where(np.arange(125) < start, 0.0, 0.3)
+    trajectory = standing(op3, frames=125, fps=125.0, joints={"head_pan": jump})
+    bodies = judging_model(op3, mount="fixed").nbody
+    lateness = Disturbance(np.ones(bodies), 1.0, late, np.zeros(3), 0.5, SensorNoise(), 0)
+    playback = simulate(op3, trajectory, mount="fixed", controller="pd", disturbance=lateness)
+    joint = op3.joint_names.index("head_pan")
+    (moving,) = np.nonzero(np.abs(playback.torque[:, joint]) > 0.5 * op3.joints["head_pan"].effort)
+    assert moving[0] == start + late
