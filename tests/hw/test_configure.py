@@ -56,6 +56,20 @@ def test_changes_are_shown_and_nothing_is_written(bus: VirtualBus) -> None:
     assert eeprom(bus) == before
 
 
+@pytest.mark.parametrize(
+    ("register", "value", "wanted"),
+    [("Homing Offset", 100, 0), ("Drive Mode", 1, 0), ("Operating Mode", 4, 3), ("Return Delay Time", 250, 0)],
+)
+def test_what_decides_where_a_goal_leads_is_set_right(bus: VirtualBus, register: str, value: int, wanted: int) -> None:
+    with servos_on(bus) as servos:
+        apply_changes(servos, planned_changes(servos))
+        bus.servo(5).set(register, value)
+        (change,) = planned_changes(servos)
+        assert (change.register, change.now, change.wanted) == (register, value, wanted)
+        apply_changes(servos, [change])
+    assert bus.servo(5).get(register) == wanted
+
+
 def test_only_what_differs_is_written_and_then_nothing_differs(bus: VirtualBus) -> None:
     with servos_on(bus) as servos:
         apply_changes(servos, planned_changes(servos))

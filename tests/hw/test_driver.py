@@ -2,7 +2,6 @@
 
 import signal
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,79 +10,24 @@ from hw.cycle import Reading
 from hw.driver import Driver
 from hw.line import BLOCK
 from hw.protocol import Instruction, StatusError
-from hw.rig import Rig
 from hw.servos import Servos, open_ports
 from hw.stop import torque_off
-from hw.units import to_si
 from hw.virtual.bus import VirtualBus
-from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Refused, Servo
+from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Refused
 from ros_free_stack.errors import (
     BusFault,
     HardwareFault,
     LostServo,
-    ModelMismatch,
     PortError,
     ServoFault,
-    UnsafeCommand,
 )
-from ros_free_stack.robots import ServoSafety, ServoSettings, load_robot
-
-JOINTS = ("head_pan", "r_el", "l_knee")
-OP3 = load_robot("op3")
-# A busy test computer may stall for longer than a robot could bear.
-SAFETY = ServoSafety(stall_s=60, late_after=10**6, watchdog_s=2.5, hold_s=0.03, lost_after=25)
-RIG = replace(Rig.of_robot(OP3, only=JOINTS), safety=SAFETY)
-STAND = np.array([OP3.standing.get(joint, 0.0) for joint in JOINTS])
-WAVE = STAND + np.outer(0.15 * (1 - np.cos(np.linspace(0, 2 * np.pi, 125))), [1.0, -1.0, 1.0])
-
-
-def with_safety(**changes: object) -> Rig:
-    return replace(RIG, safety=replace(SAFETY, **changes))  # type: ignore[arg-type]
-
-
-def make_bus(**options: object) -> VirtualBus:
-    servos = [
-        Servo.make(identity, baud=2_000_000, position=angle) for identity, angle in zip(RIG.ids, STAND, strict=True)
-    ]
-    return VirtualBus(servos, **options)  # type: ignore[arg-type]
+from tests.hw.streams import RIG, WAVE, assert_no_goal_outside_limits, make_bus, play, torques, with_safety
 
 
 @pytest.fixture
 def bus() -> Iterator[VirtualBus]:
     with make_bus() as bus:
         yield bus
-
-
-def play(bus: VirtualBus, *, at: int = -1, fault: Callable[[], None] | None = None, rig: Rig = RIG) -> Driver:
-    """Stream the wave; let `fault` happen in cycle `at`."""
-    count = 0
-
-    def record(time_s: float, late_s: float, goal: np.ndarray, reading: Reading) -> None:
-        nonlocal count
-        if count == at and fault is not None:
-            with bus.locked:
-                fault()
-        count += 1
-
-    with Driver(rig, bus.port) as driver:
-        driver.check_goals(WAVE)
-        driver.enable()
-        driver.move_to(WAVE[0])
-        driver.follow(WAVE, record)
-    return driver
-
-
-def torques(bus: VirtualBus) -> list[bool]:
-    return [bus.servo(identity).torque_on for identity in RIG.ids]
-
-
-def assert_no_goal_outside_limits(bus: VirtualBus) -> None:
-    for i, identity in enumerate(RIG.ids):
-        servo = bus.servo(identity)
-        low, high = RIG.to_raw(np.stack([RIG.lower, RIG.upper]))[:, i]
-        assert not servo.refusals
-        if servo.goal_extremes is not None:
-            assert min(low, high) - 1 <= servo.goal_extremes[0] <= servo.goal_extremes[1] <= max(low, high) + 1
 
 
 def test_a_stream_that_goes_well(bus: VirtualBus) -> None:
@@ -198,85 +142,6 @@ def test_a_port_that_goes_away() -> None:
         bus.stop()
 
 
-def test_hold_at_the_end(bus: VirtualBus) -> None:
-    with Driver(RIG, bus.port, at_end="hold") as driver:
-        driver.enable()
-        driver.move_to(WAVE[40])
-    assert torques(bus) == [True] * 3
-    assert [bus.servo(i).get("Bus Watchdog") for i in RIG.ids] == [0] * 3
-    # A second stream takes over without letting go, since the state is mapped already.
-    with Driver(RIG, bus.port) as driver:
-        reading = driver.enable()
-        assert np.allclose(reading.position, WAVE[40], atol=0.02)
-    assert torques(bus) == [False] * 3
-
-
-def test_torque_held_by_someone_else_is_not_dropped(bus: VirtualBus) -> None:
-    bus.servo(5).set("Torque Enable", 1)
-    with pytest.raises(UnsafeCommand, match=r"r_el .* holds torque"), Driver(RIG, bus.port) as driver:
-        driver.enable()
-    assert bus.servo(5).torque_on
-
-
-@pytest.mark.parametrize(
-    ("change", "error", "words"),
-    [
-        (lambda servo: setattr(servo, "dead", True), LostServo, "r_el .servo 5."),
-        (lambda servo: servo.set("Model Number", 1030), ModelMismatch, "XM430-W210.*XM430-W350"),
-        (lambda servo: servo.fail(OVERLOAD), ServoFault, "overload.*reboot"),
-        (
-            lambda servo: servo.set("Operating Mode", 1),
-            UnsafeCommand,
-            "Operating Mode 1, op3 needs 3 .position.*configure",
-        ),
-        (lambda servo: servo.set("Drive Mode", 1), UnsafeCommand, "Drive Mode 1, op3 needs 0"),
-        (lambda servo: servo.set("Homing Offset", 100), UnsafeCommand, "Homing Offset 100, op3 needs 0"),
-        (lambda servo: servo.set("Bus Watchdog", 255), ServoFault, "watchdog tripped.*servos release.*recover"),
-    ],
-)
-def test_what_is_checked_before_anything_moves(
-    bus: VirtualBus, change: Callable[[Servo], None], error: type[HardwareFault], words: str
-) -> None:
-    with bus.locked:
-        change(bus.servo(5))
-    with pytest.raises(error, match=words), Driver(RIG, bus.port):
-        pass
-    assert torques(bus) == [False] * 3
-    assert bus.servo(5).goal_extremes is None
-
-
-def test_goals_outside_are_refused_before_the_first_is_sent(bus: VirtualBus) -> None:
-    wild = WAVE.copy()
-    wild[100, 2] = 3.0
-    with Driver(RIG, bus.port) as driver:
-        driver.enable()
-        sent = [bus.servo(i).goal_extremes for i in RIG.ids]
-        with pytest.raises(UnsafeCommand, match=r"l_knee .* 3.000 rad is outside"):
-            driver.follow(wild)
-        assert [bus.servo(i).goal_extremes for i in RIG.ids] == sent
-        with bus.locked:
-            bus.servo(5).set("Max Position Limit", 1700)
-        with pytest.raises(UnsafeCommand, match=r"r_el .* own position limits"):
-            driver.check_goals(np.array([[0.0, 0.2, 0.7]]))
-
-
-def test_a_missing_port_lists_the_ports() -> None:
-    with pytest.raises(PortError, match=r"/dev/nothing: cannot be opened .*serial ports here"):
-        Driver(RIG, "/dev/nothing").__enter__()
-
-
-def test_goals_too_far_apart_are_refused_before_the_first_is_sent(bus: VirtualBus) -> None:
-    jump = WAVE.copy()
-    jump[60:, 1] -= 0.2
-    with Driver(RIG, bus.port) as driver:
-        driver.enable()
-        driver.move_to(WAVE[0])
-        sent = [bus.servo(i).goal_extremes for i in RIG.ids]
-        with pytest.raises(UnsafeCommand, match=rf"goal 60 of r_el .* rad/s, limit {RIG.velocity[1]:.2f} rad/s"):
-            driver.follow(jump)
-        assert [bus.servo(i).goal_extremes for i in RIG.ids] == sent
-
-
 def test_a_blocked_joint_trips_on_its_current(bus: VirtualBus) -> None:
     rig = with_safety(current=0.3, current_s=0.1, following_error=3.0)
     with pytest.raises(ServoFault, match=r"r_el .* A for .* limit 0.3 A for 0.1 s: blocked"):
@@ -331,27 +196,6 @@ def test_an_exception_of_the_caller_ends_with_torque_off(bus: VirtualBus) -> Non
     with pytest.raises(RuntimeError, match="the caller broke"):
         play(bus, at=30, fault=fail)
     assert torques(bus) == [False] * 3
-
-
-def test_gains_and_profile_come_from_the_description(bus: VirtualBus) -> None:
-    rig = replace(RIG, settings=ServoSettings(p_gain=640, d_gain=40, profile_acceleration=40.0))
-    with Driver(rig, bus.port) as driver:
-        driver.enable()
-        servo = bus.servo(5)
-        assert [servo.get(f"Position {name} Gain") for name in "PID"] == [640, 0, 40]
-        assert to_si(servo.table, "Profile Acceleration", servo.get("Profile Acceleration")) == pytest.approx(40, abs=1)
-
-
-def test_current_based_position_limits_the_goal_current(bus: VirtualBus) -> None:
-    rig = replace(RIG, settings=ServoSettings(mode="current-based position", current_limit=1.0))
-    with pytest.raises(UnsafeCommand, match="Operating Mode 3, op3 needs 5"), Driver(rig, bus.port):
-        pass
-    with bus.locked:
-        for identity in RIG.ids:
-            bus.servo(identity).set("Operating Mode", 5)
-    with Driver(rig, bus.port) as driver:
-        driver.enable()
-        assert to_si(bus.servo(5).table, "Goal Current", bus.servo(5).get("Goal Current")) == pytest.approx(1, abs=0.01)
 
 
 def test_a_servo_that_refuses_to_be_read_is_named_with_its_error_code(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,7 @@
 """Goals on the servo cycle stay inside the bounds of the frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -66,13 +68,42 @@ def test_joints_are_matched_by_name() -> None:
     ("frames", "words"),
     [
         (np.tile([9.0, 0.0], (10, 1)), "r_el .* range"),
+        (np.tile([-9.0, 0.0], (10, 1)), "r_el .* range"),
         (np.column_stack([np.linspace(0, 1.5, 6), np.zeros(6)]), "r_el .* speed"),
+        (np.column_stack([np.linspace(0, -1.5, 6), np.zeros(6)]), "r_el .* speed"),
         (np.column_stack([np.tile([0.0, 0.15], 10), np.zeros(20)]), "r_el .* acceleration"),
     ],
 )
 def test_a_broken_limit_is_named_not_clipped(frames: np.ndarray, words: str) -> None:
     with pytest.raises(UnsafeCommand, match=words):
         resample(trajectory(frames), RIG)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("share", "passes"), [(0.99, True), (1.02, False)])
+def test_the_speed_limit_holds_to_the_percent(sign: int, share: float, passes: bool) -> None:
+    step = sign * share * RIG.velocity[1] / 20.0
+    frames = np.column_stack([np.arange(6) * step, np.zeros(6)])
+    frames[:, 0] -= frames[:, 0].mean()
+    rig = replace(RIG, lower=RIG.lower - 2, upper=RIG.upper + 2, acceleration=RIG.acceleration * 10)
+    if passes:
+        resample(trajectory(frames), rig)
+    else:
+        with pytest.raises(UnsafeCommand, match=r"r_el .* speed"):
+            resample(trajectory(frames), rig)
+
+
+@pytest.mark.parametrize(("share", "passes"), [(1.05, True), (0.95, False)])
+def test_easing_into_a_motion_at_speed_is_held_to_the_acceleration_limit(share: float, passes: bool) -> None:
+    """A straight line has no acceleration of its own; its start and end have: at most 3/2 of the speed over 0.3 s."""
+    speed = 0.5
+    frames = np.column_stack([np.linspace(-0.5, 0.5, 41), np.zeros(41)])
+    rig = replace(RIG, acceleration=np.full(2, share * 1.5 * speed / 0.3))
+    if passes:
+        resample(trajectory(frames), rig)
+    else:
+        with pytest.raises(UnsafeCommand, match=r"r_el .* acceleration 2.50"):
+            resample(trajectory(frames), rig)
 
 
 def test_a_missing_joint_is_named() -> None:

@@ -50,6 +50,7 @@ def test_one_bad_reading_is_enough(reading: Reading, words: str) -> None:
         (replace(GOOD, current=np.array([2.1, 0.8])), r"r_el .*2.10 A for 0.03 s, limit 2 A for 0.03 s"),
         (replace(GOOD, current=np.array([1.9, -0.95])), r"l_el .*0.95 of full load for .*, limit 0.9 of full load"),
         (replace(GOOD, position=np.array([0.0, 0.6])), r"l_el .*following error 0.60 rad for 0.03 s, limit 0.5 rad"),
+        (replace(GOOD, position=np.array([-0.6, 0.0])), r"r_el .*following error 0.60 rad for 0.03 s, limit 0.5 rad"),
     ],
 )
 def test_strain_counts_only_if_it_lasts(reading: Reading, words: str) -> None:
