@@ -114,3 +114,22 @@ def test_same_bytes_twice_and_the_input_stays() -> None:
     before = motion.copy()
     assert lock_feet(motion, contacts).tobytes() == lock_feet(motion, contacts).tobytes()
     np.testing.assert_array_equal(motion, before)
+
+
+@pytest.mark.parametrize(("height", "starts"), [(0.01, True), (0.022, False)])
+def test_a_stance_starts_with_a_foot_that_is_low_and_not_by_contact_alone(height: float, starts: bool) -> None:
+    """One foot stands; the other is said to be in contact all the time, and comes down to a height over its rest."""
+    motion = np.zeros((20, 22, 3))
+    motion[:, BALLS[1], 2] = height
+    stances = find_stances(motion, np.ones((20, 4)), 0.0)
+    assert stances[:, 0].all()
+    assert stances[:, 1].all() if starts else not stances[:, 1].any()
+
+
+@pytest.mark.parametrize(("height", "stays"), [(0.022, True), (0.04, False)])
+def test_a_stance_goes_on_until_the_foot_has_left(height: float, stays: bool) -> None:
+    motion = np.zeros((20, 22, 3))
+    motion[10:, BALLS[1], 2] = height
+    stances = find_stances(motion, np.ones((20, 4)), 0.0)[:, 1]
+    assert stances[:10].all()
+    assert stances[10:].all() if stays else not stances[10:].any()

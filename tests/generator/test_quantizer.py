@@ -95,3 +95,17 @@ def test_shapes(batch: int, frames: int, used: int) -> None:
     assert result.values.shape == (batch, frames, 4)
     assert result.tokens.shape == (3, batch, frames)
     assert quantizer.decode(result.tokens[:used]).shape == (batch, frames, 4)
+
+
+def test_commitment_pulls_the_input_to_its_codes(inputs: torch.Tensor) -> None:
+    """By its gradient: of each layer, twice the way from the code to what the layer saw, over all numbers."""
+    quantizer = trained(inputs)
+    variable = inputs.clone().requires_grad_()
+    quantizer(variable).commitment.backward()
+    residual, expected = inputs.clone(), torch.zeros_like(inputs)
+    for layer in range(3):
+        chosen = quantizer.nearest(residual.flatten(0, 1), layer)
+        code = quantizer.codebooks[layer][chosen].view_as(inputs)
+        residual = residual - code
+        expected += 2 * residual / inputs.numel() / 3
+    torch.testing.assert_close(variable.grad, expected)

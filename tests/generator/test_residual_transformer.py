@@ -68,3 +68,17 @@ def test_learns_each_layer_from_the_ones_below() -> None:
     tokens = batch()
     found = model.eval().generate(tokens[:2], given, SegmoSampling(layers=3), torch.Generator().manual_seed(0))
     assert float((found == tokens).float().mean()) > 0.9
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0, 5.0])
+def test_guidance_in_generation_is_the_scale_that_was_asked_for(scale: float) -> None:
+    """With one code to draw from, what is drawn is the best of: without + scale (with - without)."""
+    torch.manual_seed(0)
+    model, given = ResidualTransformer(CONFIG).eval(), condition([4, 5], [6])
+    base = torch.randint(8, (2, 2, 9))
+    with torch.no_grad():
+        with_text = model(base, 1, given, flags(2), flags(2))
+        without = model(base, 1, given, ~flags(2), ~flags(2))
+    sampling = SegmoSampling(layers=2, residual_guidance=scale, top_k=1)
+    found = model.generate(base, given, sampling, torch.Generator().manual_seed(0))
+    assert torch.equal(found[2:], (without + scale * (with_text - without)).argmax(-1))

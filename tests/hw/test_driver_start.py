@@ -139,6 +139,7 @@ def test_a_joint_that_stands_far_outside_its_range_is_not_enabled(sign: int, bey
     with VirtualBus(servos) as bus, Driver(RIG, bus.port) as driver:
         if enables:
             assert driver.enable().position[1] == pytest.approx(angles[1], abs=0.01)
+            driver.move_to(STAND)
         else:
             with pytest.raises(UnsafeCommand, match=r"r_el .* outside its range"):
                 driver.enable()
