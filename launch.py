@@ -25,7 +25,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "validate": ("pipeline.validate:Validate", "judge a trajectory in MuJoCo, and repair it on request"),
     "render": ("sim.cli:Render", "draw a trajectory as a video"),
     "play": ("sim.view.play:Play", "show a motion in a window or a browser"),
-    "stream": ("hw.cli:Stream", "play a validated trajectory on servos, real or virtual"),
+    "stream": ("pipeline.stream:Stream", "play a validated trajectory on servos, real or virtual"),
     "data build": ("generator.corpus.cli:DataBuild", "make the training corpus"),
     "data show": ("generator.corpus.cli:DataShow", "draw one clip of the corpus"),
     "data coverage": ("generator.corpus.cli:DataCoverage", "what of real captions the corpus can say"),

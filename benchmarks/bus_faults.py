@@ -25,8 +25,8 @@ import tyro
 from hw.cycle import Reading
 from hw.driver import Driver
 from hw.gate import DRIVEN
+from hw.goals import goals_of
 from hw.protocol import BROADCAST, Packet
-from hw.resample import resample
 from hw.rig import Rig
 from hw.stream import stream
 from hw.virtual.bus import VirtualBus
@@ -38,6 +38,7 @@ from ros_free_stack.errors import HardwareFault
 from ros_free_stack.files import save_trajectory, save_verdict, write_text
 from ros_free_stack.messages import Floats, RobotTrajectory, Verdict
 from ros_free_stack.robots import ServoSafety, load_robot
+from ros_free_stack.servo_path import servo_path
 from sim.judge.verdict import judge
 
 ROOT = Path(__file__).parents[1]
@@ -234,7 +235,7 @@ def lossy(minutes: float, safety: ServoSafety) -> dict[str, float | int | str]:
     """Stream with 1 % of all packets corrupted and 1 % lost, in both directions."""
     faults = Faults(drop=0.01, corrupt=0.01, drop_instruction=0.01, corrupt_instruction=0.01)
     trajectory = swing(2.5)
-    goals = resample(trajectory, RIG).angles
+    goals = goals_of(servo_path(trajectory, ROBOT), RIG)
     rig = replace(RIG, safety=safety)
     ended, cycles = "torque off", 0
     with VirtualBus.of_robot(ROBOT, timed=True) as bus:

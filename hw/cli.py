@@ -13,7 +13,7 @@ from hw.bus import Bus
 from hw.calibration import load_calibration
 from hw.rig import Rig
 from hw.servos import Servos, open_ports
-from hw.stream import opened_port, stream
+from hw.stream import WayCheck, opened_port, stream
 from ros_free_stack.console import Command, say
 from ros_free_stack.errors import HardwareFault, InvalidOption, LostServo, UnknownName
 from ros_free_stack.files import load_trajectory, load_verdict
@@ -47,10 +47,11 @@ class Stream(Command):
 
     def run(self) -> int:
         trajectory, verdict = load_trajectory(self.trajectory), load_verdict(self.verdict)
+        robot = load_robot(trajectory.robot)
         report = stream(
             trajectory,
             verdict,
-            load_robot(trajectory.robot),
+            robot,
             port=self.servo,
             telemetry=self.telemetry,
             dry_run=self.dry_run,
@@ -58,6 +59,7 @@ class Stream(Command):
             joints=self.joints,
             mount=self.mount,
             at_end=self.at_end,
+            check_way=self._way_check(robot),
         )
         result = report.as_dict()
         if report.skipped:
@@ -73,6 +75,10 @@ class Stream(Command):
             *(f"note: {problem}" for problem in report.errors),
         )
         return 0
+
+    def _way_check(self, robot: RobotDescription) -> WayCheck | None:
+        """Who looks at the way to the first pose; the servo room alone knows no bodies."""
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)

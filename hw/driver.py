@@ -11,9 +11,9 @@ import numpy as np
 
 from hw.configure import MODES, pose_settings, ram_settings
 from hw.cycle import Cycle, Reading
+from hw.goals import ramp
 from hw.line import WATCHDOG_TRIPPED
 from hw.pace import realtime_priority
-from hw.resample import ramp
 from hw.rig import Raw, Rig
 from hw.safety import LostContact, Watch, hardware_errors
 from hw.servos import Servos, open_ports
@@ -156,10 +156,10 @@ class Driver:
         return raw
 
     def ramp_to(self, pose: Floats) -> Floats:
-        """Goals (K, N) from the present goal to a pose (N,) rad at a safe speed."""
-        assert self._goal is not None, "enable() comes first"
+        """Goals (K, N) from the present goal, or where the servos stand, to a pose (N,) rad at a safe speed."""
         rig = self.rig
-        return ramp(self._goal, pose, speed=rig.safety.ramp_speed, acceleration=rig.acceleration, cycle_s=rig.cycle_s)
+        start = np.clip(self.measure(), rig.lower, rig.upper) if self._goal is None else self._goal
+        return ramp(start, pose, speed=rig.safety.ramp_speed, acceleration=rig.acceleration, cycle_s=rig.cycle_s)
 
     def move_to(self, pose: Floats) -> None:
         """Go to a pose (N,) rad at a safe speed; errors as `follow`."""

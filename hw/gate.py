@@ -10,6 +10,7 @@ from ros_free_stack.criteria import limits_of, required_checks
 from ros_free_stack.errors import ModelMismatch, UnsafeCommand
 from ros_free_stack.messages import Check, ControllerName, Level, Mount, RobotTrajectory, Verdict
 from ros_free_stack.robots import RobotDescription
+from ros_free_stack.servo_path import servo_path
 from ros_free_stack.thresholds import Threshold, limits_sha256
 
 DRIVEN: Final[ControllerName] = "pd"
@@ -21,20 +22,27 @@ LEVELS: Final[tuple[Level, ...]] = ("strict", "default")
 _JUDGE = f"`validate --controller {DRIVEN}`"
 
 
-def check_verdict(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription, mount: Mount) -> None:
-    """Refuse what was not judged feasible for this robot, as it stands and as its driver moves it.
+def let_through(
+    trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription, mount: Mount
+) -> RobotTrajectory:
+    """The servo path of a trajectory that was judged feasible for this robot, as it stands and as its driver moves it.
 
-    A verdict for a robot that stands free also holds for one that hangs from a stand; not the other way round.
+    It is the very path that was judged, made anew. A verdict for a robot that stands free also holds for one that hangs
+    from a stand; not the other way round.
 
     Raises:
         ModelMismatch: the trajectory was made for another robot or model.
-        UnsafeCommand: the verdict did not pass; is of another trajectory, model, mount, controller or set of limits; is
-            lenient; was made without physics; lacks a check; or contradicts its own numbers.
+        UnsafeCommand: the verdict did not pass; is of another trajectory, path, model, mount, controller or set of
+            limits; is lenient; was made without physics; lacks a check; or contradicts its own numbers.
     """
     _check_identity(trajectory, verdict, robot)
     _check_mode(verdict, mount)
     required = required_checks(robot, verdict.mount)
     _check_numbers(verdict, required, limits_of(robot, verdict.level))
+    path = servo_path(trajectory, robot)
+    if verdict.path_digest != path.digest:
+        raise UnsafeCommand(f"the verdict is of another path between the frames than the driver takes: {_again()}")
+    return path
 
 
 def _check_identity(trajectory: RobotTrajectory, verdict: Verdict, robot: RobotDescription) -> None:

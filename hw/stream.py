@@ -1,6 +1,6 @@
 """Stream a judged trajectory to a robot's servos, or to an emulated bus."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -10,19 +10,23 @@ import numpy as np
 
 from hw.calibration import load_calibration
 from hw.driver import Driver
-from hw.gate import check_verdict
-from hw.resample import Goals, resample
+from hw.gate import let_through
+from hw.goals import goals_of
 from hw.rig import Rig
 from hw.servos import open_ports
 from hw.telemetry import Recording
 from hw.virtual.bus import VirtualBus
 from ros_free_stack.console import say
 from ros_free_stack.files import make_folder, save_telemetry
-from ros_free_stack.messages import Mount, RobotTrajectory, Verdict
+from ros_free_stack.messages import Floats, Mount, RobotTrajectory, Verdict
 from ros_free_stack.rate import RateStatistics
 from ros_free_stack.robots import RobotDescription, ServoSafety, StopPolicy
+from ros_free_stack.servo_path import smoothing_error
 
 SIMULATED = "sim"
+
+WayCheck = Callable[[tuple[str, ...], Floats], None]
+"""Called with joint names (N) and the goals (K, N) from the measured pose to the first one; raises UnsafeCommand."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ class StreamReport:
         errors: what went wrong without stopping the stream.
         following_error_rad: largest distance between goal and measured angle.
         following_error_rms_rad: its root mean square over all joints and cycles.
-        resampling_error_rad: largest distance of a frame from what was streamed.
+        smoothing_error_rad: largest distance of a frame of the trajectory from the path that was judged and streamed.
         peak_current_a: over the servos that measure current.
         peak_temperature_c, min_voltage_v: extremes over all servos.
         at_end: "off" or "hold".
@@ -62,7 +66,7 @@ class StreamReport:
     errors: tuple[str, ...]
     following_error_rad: float
     following_error_rms_rad: float
-    resampling_error_rad: float
+    smoothing_error_rad: float
     peak_current_a: float
     peak_temperature_c: float
     min_voltage_v: float
@@ -94,8 +98,9 @@ def stream(
     mount: Mount = "free",
     safety: ServoSafety | None = None,
     at_end: StopPolicy = "off",
+    check_way: WayCheck | None = None,
 ) -> StreamReport:
-    """Stream a trajectory that passed its verdict: ramp to its first frame, then one goal a servo cycle.
+    """Stream a trajectory that passed its verdict: ramp to its first pose, then its servo path, one goal a cycle.
 
     Args:
         trajectory: of this robot.
@@ -109,39 +114,46 @@ def stream(
         mount: `fixed` for a robot that hangs from a stand, which may also play what was judged so.
         safety: thresholds; None takes those of the robot's description.
         at_end: whether the servos go limp or hold at the end.
+        check_way: looks at the ramp from the measured pose before torque is switched on; without one it is told that
+            nobody did.
 
     Raises:
-        UnsafeCommand: the verdict is none for what the driver would do, or the motion breaks a limit.
+        UnsafeCommand: the verdict is none for what the driver would do, the motion breaks a limit, or the way in is
+            refused.
         ModelMismatch: robot, trajectory and servos do not belong together.
         InvalidFile: the calibration cannot be read, or the telemetry not be written; said before anything moves.
         HardwareFault: port, bus or servo failed; the servos were stopped.
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
     mount = robot.mounted(mount)
-    check_verdict(trajectory, verdict, robot, mount)
+    path = let_through(trajectory, verdict, robot, mount)
     rig = _rig(robot, joints, calibration)
     rig = rig if safety is None else replace(rig, safety=safety)
-    goals = resample(trajectory, rig)
+    goals, smoothed = goals_of(path, rig), smoothing_error(trajectory)
     if telemetry is not None:
         make_folder(telemetry.parent)
-    with opened_port(port, robot) as path, Driver(rig, path, at_end=at_end) as driver:
+    with opened_port(port, robot) as opened, Driver(rig, opened, at_end=at_end) as driver:
         for bus in driver.servos.buses:
             if not bus.latency.ok:
                 say(f"warning: latency timer of {bus.port} {bus.latency.words}")
-        driver.check_goals(goals.angles)
+        driver.check_goals(goals)
+        if check_way is None:
+            say("note: nobody looked whether the robot runs into itself on the way to the first pose")
+        else:
+            check_way(rig.joints, driver.ramp_to(goals[0]))
         if dry_run:
             driver.measure()
-            return _report(driver, port, mount, goals, Recording(rig, 0), dry_run=True)
+            return _report(driver, port, mount, smoothed, Recording(rig, 0), dry_run=True)
         driver.enable()
-        path_in = driver.ramp_to(goals.angles[0])
-        recording = Recording(rig, len(path_in) + len(goals.angles))
+        way_in = driver.ramp_to(goals[0])
+        recording = Recording(rig, len(way_in) + len(goals))
         try:
-            driver.follow(path_in, recording.add)
-            driver.follow(goals.angles, recording.add)
+            driver.follow(way_in, recording.add)
+            driver.follow(goals, recording.add)
         finally:
             if telemetry is not None and recording.cycles:
                 save_telemetry(telemetry, recording.message())
-        return _report(driver, port, mount, goals, recording, dry_run=False)
+        return _report(driver, port, mount, smoothed, recording, dry_run=False)
 
 
 def check_port(
@@ -176,7 +188,7 @@ def opened_port(port: str, robot: RobotDescription) -> Iterator[str]:
 
 
 def _report(
-    driver: Driver, port: str, mount: Mount, goals: Goals, recording: Recording, *, dry_run: bool
+    driver: Driver, port: str, mount: Mount, smoothed: float, recording: Recording, *, dry_run: bool
 ) -> StreamReport:
     rig = driver.rig
     rate = None if dry_run else driver.rate.statistics()
@@ -195,7 +207,7 @@ def _report(
         errors=_complaints(driver, rate),
         following_error_rad=driver.watch.max_following_error,
         following_error_rms_rad=float(np.sqrt(np.mean(error**2))) if error.size else 0.0,
-        resampling_error_rad=goals.deviation,
+        smoothing_error_rad=smoothed,
         peak_current_a=float(np.abs(recording.column("current")[:, rig.measures_current]).max(initial=0.0)),
         peak_temperature_c=float(recording.column("temperature").max(initial=0.0)),
         min_voltage_v=float(recording.column("voltage").min(initial=np.inf)) if error.size else 0.0,

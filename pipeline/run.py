@@ -194,7 +194,10 @@ class Run(Command):
     def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
         if self.servo is None or not best.judgement.passed:
             return None
+        from functools import partial
+
         from hw.stream import stream
+        from sim.judge.way_in import check_way_in
 
         with timings.measure("servo"):
             report = stream(
@@ -207,6 +210,7 @@ class Run(Command):
                 calibration=self.calibration,
                 joints=self.joints,
                 mount=self.mount,
+                check_way=partial(check_way_in, robot),
             )
         if report.skipped:
             say(f"skipped, not on this rig: {', '.join(report.skipped)}")

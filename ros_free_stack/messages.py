@@ -195,6 +195,7 @@ class Verdict:
         state: what that controller read.
         level: how strict the limits were.
         limits_sha256: `ros_free_stack.thresholds.limits_sha256` of all limits of that level for that robot.
+        path_digest: `RobotTrajectory.digest` of the trajectory's servo path, on which every check was made.
     """
 
     robot: str
@@ -208,6 +209,7 @@ class Verdict:
     state: StateName = "true"
     level: Level = "default"
     limits_sha256: str = ""
+    path_digest: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checks", tuple(self.checks))

@@ -68,10 +68,10 @@ def make_film(
         robot: the robot.
         model: with the robot's joints and a free base; poses are its `qpos`.
         fps: frames a second of the film.
-        judgement: the trajectory's judgement, or None.
+        judgement: the trajectory's judgement, or None; with one, the path that was judged is shown.
         motion: the human motion that it follows, or None.
     """
-    trajectory = in_robot_order(trajectory, robot)
+    trajectory = in_robot_order(trajectory if judgement is None else judgement.reference.trajectory, robot)
     planned = qpos = poses(trajectory, robot, model)
     joint_pos = trajectory.joint_pos
     joint_vel = np.gradient(joint_pos, axis=0) * trajectory.fps if len(joint_pos) > 1 else np.zeros_like(joint_pos)

@@ -6,12 +6,13 @@ from ros_free_stack.errors import InvalidOption
 from ros_free_stack.messages import Check, ControllerName, Level, Mount, RobotTrajectory, StateName, Verdict
 from ros_free_stack.robot_model import size_scale
 from ros_free_stack.robots import RobotDescription
+from ros_free_stack.servo_path import servo_path
 from ros_free_stack.thresholds import Threshold, limits_sha256, load_thresholds
 from sim.judge.checks import balance, coherence, contact, joints, tracking
 from sim.judge.robustness import Robustness, perturbed_runs
 from sim.model import judging_model
 from sim.playback.physics import FallLimits, Playback, play, set_stage
-from sim.reference import Reference, make_reference
+from sim.reference import Reference, check_belongs, make_reference
 
 LONGEST_S = 600.0
 """A longer clip is refused: it would fill the memory before it gave an answer."""
@@ -44,6 +45,9 @@ def judge(
 ) -> Judgement:
     """Check a trajectory's kinematics and, with `physics`, play it in MuJoCo on the robot's own servos.
 
+    What is judged, frame by frame, is its path at the rate of the servos (`ros_free_stack.servo_path`): frames of the
+    checks, of the reference and of the playback are those of the path.
+
     Args:
         trajectory: what the robot should do; nothing in it is clipped or repaired.
         robot: the robot that it was made for.
@@ -64,7 +68,9 @@ def judge(
     _check_arguments(trajectory, perturbed)
     mount = robot.mounted(mount)
     model = judging_model(robot)
-    reference = make_reference(trajectory, robot, model)
+    check_belongs(trajectory, robot)
+    path = servo_path(trajectory, robot)
+    reference = make_reference(path, robot, model)
     scale = size_scale(robot, model)
     limits = load_thresholds(level, scale=scale)
     checks = kinematic_checks(reference, limits, mount, scale)
@@ -80,9 +86,7 @@ def judge(
         if playback.fell_at_s is not None:
             notes.append(f"fell at {playback.fell_at_s:.2f} s")
         if perturbed:
-            found = perturbed_runs(
-                trajectory, robot, fall, runs=perturbed, seed=seed, mount=mount, controller=controller
-            )
+            found = perturbed_runs(path, robot, fall, runs=perturbed, seed=seed, mount=mount, controller=controller)
             checks.append(robustness_check(found, limits["robustness"]))
             notes.append(found.words())
     else:
@@ -99,6 +103,7 @@ def judge(
         state=state,
         level=level,
         limits_sha256=limits_sha256(limits),
+        path_digest=path.digest,
     )
     return Judgement(verdict, reference, playback)
 

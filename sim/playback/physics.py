@@ -21,7 +21,7 @@ from sim.model import judging_model
 from sim.playback.actuation import AT_LIMIT, Servos, read_servos
 from sim.playback.controllers import Controller, make_controller
 from sim.playback.estimation import EncodersAndImu, SensorNoise, TrueState
-from sim.playback.plan import HOLD_S, Plan, make_plan
+from sim.playback.plan import Plan, make_plan
 from sim.reference import Reference
 
 AFTERMATH_S = 0.6
@@ -189,7 +189,8 @@ def play(
         estimator = EncodersAndImu(stage.model, robot, stage.servos, plan, noise, rng)
     mover = make_controller(controller, stage.model, robot, stage.servos, plan)
     model = _disturbed(stage.model, disturbance)
-    frame_steps = np.rint((HOLD_S + np.arange(len(stage.reference.qpos)) * stage.reference.dt) / model.opt.timestep)
+    times = stage.plan.hold_s + np.arange(len(stage.reference.qpos)) * stage.reference.dt
+    frame_steps = np.rint(times / model.opt.timestep)
     at_step = np.maximum(frame_steps.astype(int) - 1, 0)
     log = _simulate(stage, model, estimator, mover, fall, disturbance, frozenset(at_step.tolist()))
     return _sample(stage, log, at_step[at_step < len(log.qpos)], controller)
@@ -316,7 +317,7 @@ def _sample(stage: Stage, log: _Log, at_step: np.ndarray, controller: Controller
         power=greatest(power),
         heating=greatest(heating),
         unsolved=log.unsolved,
-        fell_at_s=None if log.fell_at_cycle is None else (log.fell_at_cycle + 1) * plan.cycle_s - HOLD_S,
+        fell_at_s=None if log.fell_at_cycle is None else (log.fell_at_cycle + 1) * plan.cycle_s - plan.hold_s,
         controller=controller,
     )
 

@@ -27,7 +27,9 @@ class Plan:
     """The reference at K control cycles: hold, motion, hold.
 
     Attributes:
-        cycle_s: s between cycles; cycle 0 is `HOLD_S` before the motion's first frame.
+        cycle_s: s between cycles.
+        hold_s: from cycle 0 to the motion's first frame: whole cycles, so that goals are the very frames of a path that
+            is on the servos' cycle.
         qpos: (K, nq) poses.
         qvel: (K, nv) velocities, MuJoCo's conventions.
         qacc: (K, nv) accelerations.
@@ -44,6 +46,7 @@ class Plan:
     """
 
     cycle_s: float
+    hold_s: float
     qpos: Floats
     qvel: Floats
     qacc: Floats
@@ -73,12 +76,13 @@ def make_plan(reference: Reference, model: mujoco.MjModel, servos: Servos) -> Pl
     """
     robot, trajectory = reference.robot, reference.trajectory
     cycle_s = servos.cycle_steps * model.opt.timestep
-    held = int(np.ceil(HOLD_S * trajectory.fps)) + 2
+    hold_s = float(np.ceil(HOLD_S / cycle_s - 1e-9)) * cycle_s
+    held = int(np.ceil(hold_s * trajectory.fps)) + 2
     keys = np.clip(np.arange(-held, len(reference.qpos) + held), 0, len(reference.qpos) - 1)
     key_times = (np.arange(len(keys)) - held) * reference.dt
-    end = trajectory.duration_s - reference.dt + HOLD_S
-    coarse = np.arange(-HOLD_S, end + _DYNAMICS_DT_S, _DYNAMICS_DT_S)
-    times = np.arange(-HOLD_S, end, cycle_s)
+    end = trajectory.duration_s - reference.dt + hold_s
+    coarse = np.arange(-hold_s, end + _DYNAMICS_DT_S, _DYNAMICS_DT_S)
+    times = -hold_s + cycle_s * np.arange(round((end + hold_s) / cycle_s))
 
     def poses(at: np.ndarray) -> Floats:
         addresses, _ = joint_addresses(model, robot)
@@ -107,6 +111,7 @@ def make_plan(reference: Reference, model: mujoco.MjModel, servos: Servos) -> Pl
     soles = [from_keys(corners.mean(axis=1)) for corners in reference.soles.values()]
     return Plan(
         cycle_s=cycle_s,
+        hold_s=hold_s,
         qpos=qpos,
         qvel=qvel,
         qacc=qacc,

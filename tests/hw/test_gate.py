@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hw.gate import check_verdict
+from hw.gate import let_through
 from ros_free_stack.criteria import limits_of, required_checks
 from ros_free_stack.errors import InvalidFile, ModelMismatch, StackError, UnsafeCommand
 from ros_free_stack.files import load_verdict, save_verdict
@@ -65,39 +65,41 @@ FORGED: dict[str, tuple[Forge, str]] = {
     "balance feedback": (lambda v: replace(v, controller="default"), r"default controller.*--mount fixed"),
     "whole-body control": (lambda v: replace(v, controller="wbc"), "wbc controller"),
     "held by its root": (lambda v: replace(v, mount="fixed"), "--mount fixed"),
+    "other path": (lambda v: replace(v, path_digest="0" * 64), "another path between the frames"),
+    "no path": (lambda v: replace(v, path_digest=""), "another path between the frames"),
     "other trajectory": (lambda v: replace(v, trajectory_digest="0" * 64), "another trajectory"),
     "other model": (lambda v: replace(v, model_sha256="0" * 64), "another trajectory or model"),
     "other robot": (lambda v: replace(v, robot="g1"), "of g1, not of op3"),
 }
 
 
-def test_check_verdict_takes_what_the_judge_says() -> None:
-    check_verdict(TRAJECTORY, GOOD, OP3, "free")
-    check_verdict(TRAJECTORY, GOOD, OP3, "fixed")
-    check_verdict(TRAJECTORY, judged(TRAJECTORY, mount="fixed"), OP3, "fixed")
-    check_verdict(TRAJECTORY, judged(TRAJECTORY, level="strict"), OP3, "free")
+def test_let_through_takes_what_the_judge_says() -> None:
+    let_through(TRAJECTORY, GOOD, OP3, "free")
+    let_through(TRAJECTORY, GOOD, OP3, "fixed")
+    let_through(TRAJECTORY, judged(TRAJECTORY, mount="fixed"), OP3, "fixed")
+    let_through(TRAJECTORY, judged(TRAJECTORY, level="strict"), OP3, "free")
 
 
 @pytest.mark.parametrize("name", FORGED)
-def test_check_verdict_refuses_a_forged_verdict_by_name(name: str) -> None:
+def test_let_through_refuses_a_forged_verdict_by_name(name: str) -> None:
     forge, words = FORGED[name]
     with pytest.raises(UnsafeCommand, match=words):
-        check_verdict(TRAJECTORY, forge(GOOD), OP3, "free")
+        let_through(TRAJECTORY, forge(GOOD), OP3, "free")
 
 
-def test_check_verdict_refuses_another_robot() -> None:
+def test_let_through_refuses_another_robot() -> None:
     with pytest.raises(ModelMismatch, match="not for this g1"):
-        check_verdict(TRAJECTORY, GOOD, G1, "free")
+        let_through(TRAJECTORY, GOOD, G1, "free")
     with pytest.raises(ModelMismatch, match="retarget and judge"):
-        check_verdict(TRAJECTORY, GOOD, replace(OP3, sha256="0" * 64), "free")
+        let_through(TRAJECTORY, GOOD, replace(OP3, sha256="0" * 64), "free")
 
 
 @pytest.mark.parametrize("mount", ["free", "fixed"])
-def test_check_verdict_demands_each_check_that_the_mount_requires(mount: str) -> None:
+def test_let_through_demands_each_check_that_the_mount_requires(mount: str) -> None:
     verdict = judged(TRAJECTORY, mount=mount)  # pyright: ignore[reportArgumentType]
     for name in required_checks(OP3, verdict.mount):
         with pytest.raises(UnsafeCommand, match=f"lacks {name}"):
-            check_verdict(TRAJECTORY, without(name)(verdict), OP3, "fixed")
+            let_through(TRAJECTORY, without(name)(verdict), OP3, "fixed")
 
 
 def test_required_checks_of_a_held_robot_have_no_balance() -> None:
@@ -138,4 +140,4 @@ def test_load_verdict_of_a_file_edited_by_hand(
     assert load_verdict(path) == GOOD
     path.write_text(json.dumps(edit(json.loads(path.read_text()))))
     with pytest.raises(error, match=words):
-        check_verdict(TRAJECTORY, load_verdict(path), OP3, "free")
+        let_through(TRAJECTORY, load_verdict(path), OP3, "free")

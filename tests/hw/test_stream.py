@@ -45,7 +45,7 @@ def test_a_whole_robot_follows_a_trajectory(tmp_path: Path) -> None:
     assert report.joints == 20
     assert report.method == "fast sync read"
     assert 0 < report.following_error_rms_rad < report.following_error_rad < 0.3
-    assert report.resampling_error_rad < 0.002
+    assert report.smoothing_error_rad < 0.002
     assert report.peak_current_a > 0
     data = report.as_dict()
     json.dumps(data)
@@ -134,6 +134,25 @@ def test_a_robot_without_servos_says_so() -> None:
         stream(trajectory, judged(trajectory), g1, port="sim")
     with pytest.raises(InvalidOption, match="g1 has no Dynamixel servos"):
         check_port("sim", g1)
+
+
+def test_the_way_to_the_first_pose_is_looked_at_before_torque_comes_on() -> None:
+    trajectory = motion(OP3, seconds=0.2)
+    seen: list[tuple[tuple[str, ...], np.ndarray]] = []
+
+    def refuse(names: tuple[str, ...], goals: np.ndarray) -> None:
+        seen.append((names, goals))
+        raise UnsafeCommand("the hand is in the way")
+
+    with VirtualBus.of_robot(OP3) as bus:
+        stands = [servo.motor.position for servo in bus.network.servos.values()]
+        with pytest.raises(UnsafeCommand, match="in the way"):
+            stream(trajectory, judged(trajectory), OP3, port=bus.port, safety=SAFETY, check_way=refuse)
+        assert all(servo.goal_extremes is None and not servo.torque_on for servo in bus.network.servos.values())
+        assert [servo.motor.position for servo in bus.network.servos.values()] == stands
+    ((names, goals),) = seen
+    assert names == OP3.joint_names
+    assert np.allclose(goals[-1], trajectory.joint_pos[0], atol=1e-9)
 
 
 def test_check_port() -> None:

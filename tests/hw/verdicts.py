@@ -6,6 +6,7 @@ from hw.gate import DRIVEN
 from ros_free_stack.criteria import limits_of, required_checks
 from ros_free_stack.messages import Level, Mount, RobotTrajectory, Verdict
 from ros_free_stack.robots import RobotDescription, load_robot
+from ros_free_stack.servo_path import servo_path
 from ros_free_stack.thresholds import limits_sha256
 
 
@@ -43,4 +44,5 @@ def judged(trajectory: RobotTrajectory, *, mount: Mount = "free", level: Level =
         controller=DRIVEN,
         level=level,
         limits_sha256=limits_sha256(limits),
+        path_digest=servo_path(trajectory, robot).digest,
     )

@@ -42,8 +42,8 @@ def too_much_acceleration(op3, make):
 
 
 def shaky(op3, make):
-    omega = 2 * np.pi * 25.0
-    pan = sine(0.9 * op3.joints["head_pan"].acceleration / omega**2, omega, 400, 400.0)
+    omega = 2 * np.pi * 20.0
+    pan = sine(0.7 * op3.joints["head_pan"].acceleration / omega**2, omega, 400, 400.0)
     return make(op3, frames=400, fps=400.0, joints={"head_pan": pan})
 
 
@@ -86,7 +86,7 @@ def on_one_leg_with_the_weight_on_both(op3, make):
 
 def limbs_out_of_step(op3, make):
     """Both arms and the head sway slowly, each in its own irregular rhythm."""
-    rng, time = np.random.default_rng(2), np.arange(200) / 50.0
+    rng, time = np.random.default_rng(1), np.arange(200) / 50.0
     joints = {
         name: 0.15 * sum(np.sin(2 * np.pi * f * time + rng.uniform(0, 6)) for f in rng.uniform(0.5, 1.5, 2))
         for name in ("l_sho_pitch", "r_sho_pitch", "head_pan")
@@ -107,7 +107,7 @@ KINEMATIC: dict[str, tuple[Maker, Level]] = {
     "joint_range": (out_of_range, "default"),
     "joint_velocity": (too_fast, "default"),
     "joint_acceleration": (too_much_acceleration, "default"),
-    "jerk": (shaky, "default"),
+    "jerk": (shaky, "strict"),
     "self_collision": (crossed_legs, "default"),
     "ground_penetration": (sunk, "default"),
     "floating": (hovering, "default"),

@@ -11,7 +11,7 @@ from ros_free_stack.robots import load_robot
 from sim.model import judging_model
 from sim.playback.estimation import posed
 from sim.playback.footholds import Footholds
-from sim.playback.physics import HOLD_S, set_stage
+from sim.playback.physics import set_stage
 from sim.reference import make_reference
 
 LIFTED_S, LANDED_S = 0.4, 0.6
@@ -42,7 +42,7 @@ def soles(stage, qpos):
 
 
 def cycle_at(stage, seconds):
-    return int((HOLD_S + seconds) / stage.plan.cycle_s)
+    return int((stage.plan.hold_s + seconds) / stage.plan.cycle_s)
 
 
 def followed(stage, believed, until_s):

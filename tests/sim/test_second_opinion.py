@@ -13,6 +13,7 @@ import pytest
 
 from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robots import RobotDescription, load_robot
+from ros_free_stack.servo_path import servo_path
 from sim.judge.verdict import judge
 
 STEP_S, HOLD_S = 0.0005, 0.5
@@ -149,7 +150,7 @@ def arms_of_g1(op3, standing):
 @pytest.mark.parametrize("make", [wave, squat, lean, arms_of_g1])
 def test_playback_agrees_with_a_plain_loop(make, op3, standing):
     robot, trajectory = make(op3, standing)
-    judgement, other = judge(trajectory, robot, controller="pd"), second_opinion(robot, trajectory)
+    judgement, other = judge(trajectory, robot, controller="pd"), second_opinion(robot, servo_path(trajectory, robot))
     assert judgement.playback is not None
     assert (other.fell_at is not None) == (make is lean)
     assert judgement.playback.fell_at_s == pytest.approx(other.fell_at, abs=0.02)
@@ -170,13 +171,14 @@ def test_figures_of_a_reference_agree(op3, standing):
     bend = np.linspace(0, op3.joints["l_el"].upper + 0.05, 60)
     trajectory = standing(op3, frames=60, root_offset=slide, joints={"l_el": bend})
     ours = {check.name: check.value for check in judge(trajectory, op3, physics=False).verdict.checks}
+    trajectory = servo_path(trajectory, op3)
     model = plain_model(op3)
     data = mujoco.MjData(model)
     feet = [model.body(sole.body).id for sole in op3.soles.values()]
     boxes = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] in feet]
     lowest, places = np.inf, []
-    for frame in range(60):
-        data.qpos[:] = configuration(model, trajectory, frame / 50)
+    for frame in range(len(trajectory.joint_pos)):
+        data.qpos[:] = configuration(model, trajectory, frame / trajectory.fps)
         mujoco.mj_kinematics(model, data)
         for geom in boxes:
             reach = np.abs(data.geom_xmat[geom].reshape(3, 3)[2]) @ model.geom_size[geom]
@@ -184,6 +186,6 @@ def test_figures_of_a_reference_agree(op3, standing):
         places.append([data.xpos[body, :2].copy() for body in feet])
     assert ours["joint_range"] == pytest.approx(0.05, abs=1e-9)
     assert ours["ground_penetration"] == pytest.approx(-lowest, abs=0.0005)
-    speeds = np.linalg.norm(np.diff(places, axis=0), axis=-1) * 50
+    speeds = np.linalg.norm(np.diff(places, axis=0), axis=-1) * trajectory.fps
     assert ours["foot_skate"] == pytest.approx(speeds.mean(), rel=1e-6)
     assert ours["foot_skate_peak"] == pytest.approx(speeds.max(), rel=1e-6)

@@ -73,9 +73,9 @@ def floating(reference: Reference, threshold: Threshold) -> Check:
 def hovering(reference: Reference, clearance: Floats, tolerance: float) -> Floats:
     """(T,) m by which the robot is too high for a body in flight; 0 where it touches the floor.
 
-    From leaving the floor at time a to landing at b the centre of mass of a flying body is g (t - a) (b - t) / 2 above
-    the line between its heights then. What it lacks of that would bring it down earlier, by no more than its feet are
-    above the floor. At either end of the trajectory the robot is at rest, so it cannot be in flight there.
+    From the first frame a in which it flies to the last one b the centre of mass is g (t - a) (b - t) / 2 above the
+    line between its heights then. What it lacks of that would bring it down earlier, by no more than its feet are above
+    the floor. At either end of the trajectory the robot is at rest, so it cannot be in flight there.
 
     Args:
         reference: the trajectory's kinematics.
@@ -91,9 +91,8 @@ def hovering(reference: Reference, clearance: Floats, tolerance: float) -> Float
         if start == 0 or end == len(clearance):
             found[flight] = clearance[flight]
             continue
-        since = np.arange(1, end - start + 1)
-        length = end - start + 1
-        line = height[start - 1] + (height[end] - height[start - 1]) * since / length
+        since, length = np.arange(end - start), max(end - start - 1, 1)
+        line = height[start] + (height[end - 1] - height[start]) * since / length
         arc = line + gravity / 2 * reference.dt**2 * since * (length - since)
         found[flight] = np.clip(arc - height[flight], 0.0, clearance[flight])
     return found

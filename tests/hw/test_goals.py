@@ -1,4 +1,4 @@
-"""Goals on the servo cycle stay inside the bounds of the frames."""
+"""Goals are the frames of the path, held to the limits of the rig; the ramp that leads there keeps to them too."""
 
 from dataclasses import replace
 
@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hw.resample import ramp, resample
+from hw.goals import goals_of, ramp
 from hw.rig import Rig
 from ros_free_stack.errors import ModelMismatch, UnsafeCommand
 from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robots import load_robot
+from ros_free_stack.servo_path import servo_path
 
 OP3 = load_robot("op3")
 RIG = Rig.of_robot(OP3, only=("head_pan", "r_el"))
@@ -32,36 +33,13 @@ def trajectory(frames: np.ndarray, fps: float = 20.0) -> RobotTrajectory:
     )
 
 
-@settings(deadline=None)
-@given(st.integers(0, 10_000), st.integers(1, 60), st.sampled_from([20.0, 30.0, 50.0, 120.0]))
-def test_bounds_of_the_frames_hold_between_them(seed: int, count: int, fps: float) -> None:
-    walk = np.random.default_rng(seed).uniform(-1, 1, (count, 2)).cumsum(0)
-    frames = 0.02 * (20 / fps) ** 2 * walk / max(1.0, np.abs(walk).max())
-    goals = resample(trajectory(frames, fps), RIG).angles[:, ::-1]
-    assert np.all(goals <= frames.max(0) + 1e-12) and np.all(goals >= frames.min(0) - 1e-12)
-    assert np.allclose(goals[0], frames[0]) and np.allclose(goals[-1], frames[-1])
-    speed = np.abs(np.diff(goals, axis=0)).max(0) / RIG.cycle_s if len(goals) > 1 else np.zeros(2)
-    assert np.all(speed <= np.abs(np.diff(frames, axis=0)).max(0, initial=0) * fps + 1e-9)
-
-
-def test_duration_is_kept_but_for_the_two_ends() -> None:
-    goals = resample(trajectory(np.zeros((41, 2))), RIG)
-    assert len(goals.angles) * RIG.cycle_s == pytest.approx(2.3, abs=0.02)
-    assert goals.deviation == 0
-
-
-def test_a_motion_that_begins_and_ends_at_speed_still_starts_and_ends_at_rest() -> None:
-    frames = np.column_stack([np.linspace(-0.5, 0.5, 41), np.zeros(41)])
-    moving = resample(trajectory(frames), RIG).angles[:, 1]
-    speed = np.diff(moving) / RIG.cycle_s
-    assert speed[0] < 0.01 and speed[-1] < 0.01
-    assert speed.max() == pytest.approx(0.5, rel=1e-3)
-    assert np.all(speed >= -1e-9)
+def goals(frames: np.ndarray, rig: Rig = RIG) -> np.ndarray:
+    return goals_of(servo_path(trajectory(frames), OP3), rig)
 
 
 def test_joints_are_matched_by_name() -> None:
     frames = np.tile([0.3, -0.1], (10, 1))
-    assert np.allclose(resample(trajectory(frames), RIG).angles, [-0.1, 0.3])
+    assert np.allclose(goals(frames), [-0.1, 0.3])
 
 
 @pytest.mark.parametrize(
@@ -76,7 +54,7 @@ def test_joints_are_matched_by_name() -> None:
 )
 def test_a_broken_limit_is_named_not_clipped(frames: np.ndarray, words: str) -> None:
     with pytest.raises(UnsafeCommand, match=words):
-        resample(trajectory(frames), RIG)
+        goals(frames)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -87,10 +65,10 @@ def test_the_speed_limit_holds_to_the_percent(sign: int, share: float, passes: b
     frames[:, 0] -= frames[:, 0].mean()
     rig = replace(RIG, lower=RIG.lower - 2, upper=RIG.upper + 2, acceleration=RIG.acceleration * 10)
     if passes:
-        resample(trajectory(frames), rig)
+        goals(frames, rig)
     else:
         with pytest.raises(UnsafeCommand, match=r"r_el .* speed"):
-            resample(trajectory(frames), rig)
+            goals(frames, rig)
 
 
 @pytest.mark.parametrize(("share", "passes"), [(1.05, True), (0.95, False)])
@@ -100,15 +78,25 @@ def test_easing_into_a_motion_at_speed_is_held_to_the_acceleration_limit(share: 
     frames = np.column_stack([np.linspace(-0.5, 0.5, 41), np.zeros(41)])
     rig = replace(RIG, acceleration=np.full(2, share * 1.5 * speed / 0.3))
     if passes:
-        resample(trajectory(frames), rig)
+        goals(frames, rig)
     else:
         with pytest.raises(UnsafeCommand, match=r"r_el .* acceleration 2.50"):
-            resample(trajectory(frames), rig)
+            goals(frames, rig)
+
+
+def test_a_path_on_another_cycle_is_refused() -> None:
+    with pytest.raises(ModelMismatch, match="20 frames a second, the servos 125 cycles"):
+        goals_of(trajectory(np.zeros((5, 2))), RIG)
+
+
+def test_goals_are_the_frames_of_the_path_to_the_bit() -> None:
+    path = servo_path(trajectory(0.1 * np.sin(np.linspace(0, 6, 40))[:, None] * [1, -1]), OP3)
+    assert np.array_equal(goals_of(path, RIG), path.joint_pos[:, ::-1])
 
 
 def test_a_missing_joint_is_named() -> None:
     with pytest.raises(ModelMismatch, match="l_knee"):
-        resample(trajectory(np.zeros((5, 2))), Rig.of_robot(OP3, only=("l_knee",)))
+        goals(np.zeros((5, 2)), Rig.of_robot(OP3, only=("l_knee",)))
 
 
 @settings(deadline=None)
