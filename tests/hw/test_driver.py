@@ -1,6 +1,7 @@
 """The driver on an emulated bus: what it does when all goes well, and for each fault that it stops, and how."""
 
 import signal
+import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -16,6 +17,7 @@ from hw.virtual.bus import VirtualBus
 from hw.virtual.servo import INPUT_VOLTAGE, OVERLOAD, Refused
 from ros_free_stack.errors import (
     BusFault,
+    DeadlineFault,
     HardwareFault,
     LostServo,
     PortError,
@@ -236,3 +238,15 @@ def test_a_fault_while_the_last_goal_is_held_is_told(bus: VirtualBus) -> None:
     with pytest.raises(ServoFault, match=r"r_el .servo 5.: hardware error: overload"):
         play(bus, at=len(WAVE) - 1, fault=lambda: bus.servo(5).fail(OVERLOAD))
     assert torques(bus) == [False] * 3
+
+
+def test_a_computer_that_pauses_stops_the_stream(bus: VirtualBus) -> None:
+    with pytest.raises(DeadlineFault, match=r"paused for .* s, limit 0.2 s"):
+        play(bus, at=20, fault=lambda: time.sleep(0.5), rig=with_safety(stall_s=0.2))
+    assert torques(bus) == [False] * 3
+
+
+def test_the_servos_watchdogs_are_armed_while_the_stream_runs(bus: VirtualBus) -> None:
+    armed: list[int] = []
+    play(bus, at=20, fault=lambda: armed.extend(bus.servo(i).get("Bus Watchdog") for i in RIG.ids))
+    assert armed == [round(RIG.safety.watchdog_s / 0.02)] * 3
