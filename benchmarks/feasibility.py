@@ -84,7 +84,9 @@ def run(pipeline: Pipeline, prompt: str, seed: int, arguments: Arguments) -> Row
     from sim.draw.storyboard import write_storyboard
 
     segments, _ = pipeline.segments(prompt, anyway=True)
-    found = pipeline.candidates(prompt, segments, seed=seed, candidates=arguments.candidates, timings=Timings())
+    found = pipeline.candidates(
+        prompt, segments, seed=seed, candidates=arguments.candidates, timings=Timings(), exhaustive=True
+    )
     verdicts = {
         "default": [candidate.judgement.verdict for candidate in found],
         DRIVEN: [pipeline.judge(candidate.trajectory, DRIVEN).verdict for candidate in found],

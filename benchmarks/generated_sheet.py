@@ -37,7 +37,7 @@ def strips(arguments: Arguments) -> list[tuple[str, list[Figure]]]:
     generator, splitter, drawn = Performer.load(arguments.weights), Splitter(), []
     for prompt in progress(arguments.prompts, "generating", total=len(arguments.prompts)):
         (motion,) = generator.generate(prompt, splitter.split(prompt), seed=arguments.seed)
-        missing = "; ".join(generator.mismatches(motion))
+        missing = "; ".join(mismatch.words for mismatch in generator.mismatches(motion))
         title = f"{prompt} ({motion.duration_s:.1f} s)" + (f" - prompt mismatch: {missing}" if missing else "")
         drawn.append((title, human_figures(motion.joints, arguments.frames)))
     return drawn

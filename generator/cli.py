@@ -157,11 +157,11 @@ class Generate(Command):
         found = {
             "files": [str(path) for path in paths],
             "segments": [vars(s) for s in motions[0].segments],
-            "not_shown": [list(lines) for lines in missing],
+            "not_shown": [[mismatch.words for mismatch in wrong] for wrong in missing],
         }
         lines = [f"{s.start_s:5.1f} to {s.end_s:4.1f} s  {s.text}" for s in motions[0].segments]
         for path, wrong in zip(paths, missing, strict=True):
-            lines += [f"wrote {path}", *(f"prompt mismatch: {line}" for line in wrong)]
+            lines += [f"wrote {path}", *(f"prompt mismatch: {mismatch.words}" for mismatch in wrong)]
         self.report(found, *lines)
         return 0
 

@@ -25,7 +25,7 @@ from generator.text.counts import segment_counts
 from generator.text.encoder import TextEncoder
 from generator.text.understanding import DOMAIN
 from generator.timing import check_segments, checked_durations, fitted, part_sizes, whole_frames
-from generator.verifier import Verifier
+from generator.verifier import Mismatch, Verifier
 from ros_free_stack.console import say
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import decode
@@ -151,8 +151,8 @@ class Performer:
             return self._in_turn(prompt, segments, seconds, sizes, start, settings, noise)
         return self._perform(prompt, segments, seconds, start, settings, noise)
 
-    def mismatches(self, motion: HumanMotion) -> tuple[str, ...]:
-        """What a motion does not show of its segments' texts, a line each; nothing where that cannot be said."""
+    def mismatches(self, motion: HumanMotion) -> tuple[Mismatch, ...]:
+        """What a motion does not show of its segments' texts; nothing where that cannot be said."""
         return self.verifier.mismatches(motion) if self.verifier else ()
 
     def check(self, segments: int, frames: int, candidates: int) -> None:

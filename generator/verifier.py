@@ -34,6 +34,14 @@ FLIGHT: Final = 2
 
 
 @dataclass(frozen=True)
+class Mismatch:
+    """Something that a motion does not show: how many `violations` it counts as, and a line of `words`."""
+
+    violations: int
+    words: str
+
+
+@dataclass(frozen=True)
 class Requirement:
     """A clause of a segment's text and the names of the actions that it may mean, any of which will do.
 
@@ -113,19 +121,21 @@ class Verifier:
             ]
         )
 
-    def mismatches(self, motion: HumanMotion) -> tuple[str, ...]:
-        """What a motion does not show of its segments' texts, a line each."""
+    def mismatches(self, motion: HumanMotion) -> tuple[Mismatch, ...]:
+        """What a motion does not show of its segments' texts."""
         signals, frames = Signals.of(motion.joints), len(motion.joints)
-        lines: list[str] = []
+        found: list[Mismatch] = []
         for segment, parts in zip(motion.segments, self.requirements([s.text for s in motion.segments]), strict=True):
             window = round(segment.start_s * motion.fps), min(frames, round(segment.end_s * motion.fps))
+            when = f"{segment.start_s:.1f} to {segment.end_s:.1f} s"
             for part in parts:
-                wrong = _wrong(part.checks(signals, window))
+                checks = part.checks(signals, window)
+                wrong = _wrong(checks)
                 if wrong:
-                    lines.append(f"{segment.start_s:.1f} to {segment.end_s:.1f} s: {wrong} of `{part.clause}`")
+                    found.append(Mismatch(violations(checks), f"{when}: {wrong} of `{part.clause}`"))
             if leaves_floor(signals, window, parts):
-                lines.append(f"{segment.start_s:.1f} to {segment.end_s:.1f} s: leaves the floor in `{segment.text}`")
-        return tuple(lines)
+                found.append(Mismatch(FLIGHT, f"{when}: leaves the floor in `{segment.text}`"))
+        return tuple(found)
 
 
 def _wrong(checks: Checks | None) -> str:

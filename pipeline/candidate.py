@@ -11,24 +11,45 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """One generated motion, how well it shows its sentence, what the robot makes of it, and the judgement.
+class Sample:
+    """One generated motion and how well it shows its sentence, which is known before any robot is asked.
 
-    `missing` says what the motion does not show of its segments' texts; `distance` from the sentence is that of the
-    evaluator of text and motion, less is better.
+    Attributes:
+        motion: the motion.
+        violations: the verifier's count of what is wrong with it.
+        missing: what the motion does not show of its segments' texts, a line each.
+        distance: from the sentence, by the evaluator of text and motion; less is better.
     """
 
     motion: HumanMotion
+    violations: int
     missing: tuple[str, ...]
     distance: float
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """Samples are tried in this order: fewest violations, then the least distance from the sentence."""
+        return self.violations, self.distance
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A sample, what the robot makes of it, and the judgement."""
+
+    sample: Sample
     trajectory: RobotTrajectory
     report: "RetargetReport"
     judgement: "Judgement"
 
     @property
+    def motion(self) -> HumanMotion:
+        """The human motion."""
+        return self.sample.motion
+
+    @property
     def order(self) -> tuple[int, int, float]:
         """Candidates are preferred by fewest failed checks, then by how well the motion shows what was said."""
-        return len(self.judgement.verdict.failures), len(self.missing), self.distance
+        return len(self.judgement.verdict.failures), *self.sample.order
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -38,7 +59,8 @@ class Candidate:
             "passed": self.judgement.passed,
             "failed": failed,
             "duration_s": self.motion.duration_s,
-            "not_shown": list(self.missing),
-            "distance_to_text": self.distance,
+            "not_shown": list(self.sample.missing),
+            "violations": self.sample.violations,
+            "distance_to_text": self.sample.distance,
             "mean_position_error_cm": sum(errors) / len(errors),
         }

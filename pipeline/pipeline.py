@@ -1,10 +1,10 @@
 """Text to verdict for one robot: understanding, generator, retargeter and judge, called in this order and no other."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pipeline.candidate import Candidate
+from pipeline.candidate import Candidate, Sample
 from pipeline.timings import Timings
 from ros_free_stack.console import progress, say
 from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory
@@ -73,15 +73,17 @@ class Pipeline:
         """Human motions for a prompt."""
         return self._generator.generate(prompt, segments, seed=seed, candidates=candidates)
 
-    def missing(self, motion: HumanMotion) -> tuple[str, ...]:
-        """What a motion does not show of its segments' texts."""
-        return self._generator.mismatches(motion)
-
-    def distances(self, prompt: str, motions: tuple[HumanMotion, ...]) -> list[float]:
-        """How far each motion is from its sentence."""
+    def compared(self, prompt: str, motions: Sequence[HumanMotion]) -> list[Sample]:
+        """The motions with how well each shows its sentence, the best first."""
         from generator.ranking import Ranker
 
-        return self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+        distances = self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+        samples = []
+        for motion, distance in zip(motions, distances, strict=True):
+            found = self._generator.mismatches(motion)
+            violations = sum(mismatch.violations for mismatch in found)
+            samples.append(Sample(motion, violations, tuple(mismatch.words for mismatch in found), distance))
+        return sorted(samples, key=lambda sample: sample.order)
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
         """The robot's trajectory of a human motion, and how far from its targets it had to stay."""
@@ -115,16 +117,15 @@ class Pipeline:
             retarget=retarget,
             mount=self.mount,
             controllers=(self.controller,) if self.controller else ("default", "wbc"),
+            known=candidate.judgement,
         )
-        motion = found.motion or candidate.motion
-        missing, distance = candidate.missing, candidate.distance
+        sample, motion = candidate.sample, found.motion or candidate.motion
         if motion is not candidate.motion:
             # A gentler motion may show less of its sentence: what is told must be of the motion that is kept.
             joints = resample(motion.joints, fps=motion.fps, to=FPS)
-            read = replace(motion, joints=joints, fps=FPS)
-            missing, distance = self.missing(read), self.distances(read.prompt, (read,))[0]
-        report = reports[found.trajectory.digest]
-        return Candidate(motion, missing, distance, found.trajectory, report, found.judgement)
+            (read,) = self.compared(motion.prompt, (replace(motion, joints=joints, fps=FPS),))
+            sample = replace(read, motion=motion)
+        return Candidate(sample, found.trajectory, reports[found.trajectory.digest], found.judgement)
 
     def candidates(
         self,
@@ -135,19 +136,24 @@ class Pipeline:
         candidates: int,
         timings: Timings,
         repair: bool = False,
+        exhaustive: bool = False,
     ) -> tuple[Candidate, ...]:
-        """Generate, retarget and judge; the preferred candidate comes first, repaired where none passes."""
+        """Generate, then retarget and judge what shows the sentence best, one after the other until one passes.
+
+        The preferred candidate comes first, repaired where none passes. `exhaustive` goes on after one has passed: that
+        one stays the preferred one, but how many pass is then known.
+        """
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
-            shown = [(motion, self.missing(motion)) for motion in motions]
-            distances = self.distances(prompt, motions)
+            samples = self.compared(prompt, motions)
         found: list[Candidate] = []
-        pairs = zip(shown, distances, strict=True)
-        for (motion, missing), distance in progress(pairs, "retarget and judge", total=len(motions)):
+        for sample in progress(samples, "retarget and judge", total=len(samples)):
             with timings.measure("retarget"):
-                trajectory, report = self.retarget(motion)
+                trajectory, report = self.retarget(sample.motion)
             with timings.measure("validate"):
-                found.append(Candidate(motion, missing, distance, trajectory, report, self.judge(trajectory)))
+                found.append(Candidate(sample, trajectory, report, self.judge(trajectory)))
+            if found[-1].judgement.passed and not exhaustive:
+                break
         found.sort(key=lambda candidate: candidate.order)
         if repair and not found[0].judgement.passed:
             with timings.measure("repair"):

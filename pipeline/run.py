@@ -1,8 +1,10 @@
 """The `run` subcommand: a sentence to a run folder, and on request to servos."""
 
+import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated, Any, Literal
 
 import tyro
@@ -42,7 +44,9 @@ class Run(Command):
     seed: int = 0
     """Seed of all randomness: the same seed gives the same motion."""
     candidates: int = 4
-    """How many motions to try; the best feasible one is kept."""
+    """How many motions to try at most, in the order in which they show the sentence, until one is feasible."""
+    exhaustive: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Judge all candidates, though one has passed: the report then says how many are feasible."""
     repair: bool = True
     """Where no candidate passes, try whole-body control and a slower or smaller motion of the best one."""
     servo: str | None = None
@@ -69,6 +73,7 @@ class Run(Command):
         from generator.text.prompt import check_prompt
         from ros_free_stack.files import check_folder, make_folder
 
+        started = perf_counter()
         check_prompt(self.prompt)  # before anything that loads slowly
         check_folder(self.out)
         if not 1 <= self.candidates <= MAX_CANDIDATES:
@@ -99,8 +104,12 @@ class Run(Command):
             candidates=self.candidates,
             timings=timings,
             repair=self.repair,
+            exhaustive=self.exhaustive,
         )
         best = found[0]
+        timings.seconds["to_verdict"] = perf_counter() - started
+        searched = self._searched(found)
+        self._tell(*self._verdict_words(best, searched))
         files = self._save(best, timings)
         if self.servo is not None and not best.judgement.passed:
             self._say_why_not(best, pipeline)
@@ -108,7 +117,7 @@ class Run(Command):
             servo = self._stream(best, robot, timings)
         finally:
             # A stream that a fault ended is the one whose plots are wanted most.
-            files |= self._report(best, robot, timings)
+            files |= self._report(best, robot, timings, searched)
         verdict = best.judgement.verdict
         result = {
             "prompt": self.prompt,
@@ -116,6 +125,7 @@ class Run(Command):
             "seed": self.seed,
             "segments": [asdict(segment) for segment in best.motion.segments],
             "in_domain": in_domain,
+            "search": {"candidates": self.candidates, "judged": len(found), "exhaustive": self.exhaustive},
             "candidates": [candidate.as_dict() for candidate in found],
             "retarget": best.report.as_dict(),
             "verdict": {
@@ -128,7 +138,7 @@ class Run(Command):
             "timings_s": {stage: round(seconds, 3) for stage, seconds in timings.seconds.items()},
             "files": files,
         }
-        self.report(result, *self._words(best, found, servo))
+        self.report(result, *self._closing_words(servo))
         return 0 if verdict.passed else 3
 
     def _save(self, best: Candidate, timings: Timings) -> dict[str, str]:
@@ -144,7 +154,7 @@ class Run(Command):
             save_verdict(self.out / "verdict.json", best.judgement.verdict)
         return self._files("human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json")
 
-    def _report(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, str]:
+    def _report(self, best: Candidate, robot: RobotDescription, timings: Timings, searched: str) -> dict[str, str]:
         """Write report and video, with what the servos did where there was a stream."""
         from ros_free_stack.files import load_telemetry
         from sim.draw.report import write_report
@@ -153,7 +163,16 @@ class Run(Command):
         telemetry = load_telemetry(path) if path.exists() else None
         names = ["report.html", *([TELEMETRY] if telemetry else [])]
         with timings.measure("report"):
-            write_report(self.out, best.motion, best.trajectory, best.judgement, robot, telemetry=telemetry)
+            write_report(
+                self.out,
+                best.motion,
+                best.trajectory,
+                best.judgement,
+                robot,
+                telemetry=telemetry,
+                timings=dict(timings.seconds),
+                notes=(searched,),
+            )
         if self.video:
             with timings.measure("video"):
                 names += self._video(best, robot)
@@ -216,17 +235,34 @@ class Run(Command):
             say(f"skipped, not on this rig: {', '.join(report.skipped)}")
         return report.as_dict()
 
-    def _words(self, best: Candidate, found: tuple[Candidate, ...], servo: dict[str, Any] | None) -> Iterator[str]:
+    def _tell(self, *lines: str) -> None:
+        """What is known now, before report and video: on stderr with --json, whose object comes last."""
+        for line in lines:
+            print(line, file=sys.stderr if self.json else sys.stdout, flush=True)
+
+    def _searched(self, found: tuple[Candidate, ...]) -> str:
+        """How far the search went."""
+        feasible, robot = sum(candidate.judgement.passed for candidate in found), self.robot
+        if self.exhaustive or not feasible or len(found) == self.candidates:
+            return f"{feasible} of {len(found)} candidates are feasible on {robot}"
+        return (
+            f"candidate {len(found)} of {self.candidates}, in the order in which they show the sentence, is the first "
+            f"that is feasible on {robot}; --exhaustive judges them all"
+        )
+
+    def _verdict_words(self, best: Candidate, searched: str) -> Iterator[str]:
         verdict = best.judgement.verdict
         for segment in best.motion.segments:
             yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
-        yield from (f"prompt mismatch: {line}" for line in best.missing)
+        yield from (f"prompt mismatch: {line}" for line in best.sample.missing)
         yield from best.report.failures()
-        feasible = sum(candidate.judgement.passed for candidate in found)
-        yield f"{feasible} of {len(found)} candidates are feasible on {verdict.robot}"
+        yield searched
         yield from (note for note in verdict.notes if note.startswith(("played by", "changed", "tried")))
         for check in verdict.failures:
             yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
+        yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
+
+    def _closing_words(self, servo: dict[str, Any] | None) -> Iterator[str]:
         if servo is not None and self.dry_run:
             yield f"servos: dry run, {servo['joints']} servos on {servo['port']} are ready, nothing was written"
         elif servo is not None:
@@ -234,5 +270,4 @@ class Run(Command):
                 f"servos: {servo['cycles']} cycles at {servo['rate_hz']:.1f} Hz, "
                 f"jitter p99 {servo['jitter_p99_ms']:.2f} ms, {len(servo['errors'])} errors"
             )
-        yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
         yield f"report: {self.out / 'report.html'}"

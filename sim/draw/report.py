@@ -5,6 +5,7 @@ import html
 import io
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ def write_report(
     title: str = "",
     timings: dict[str, float] | None = None,
     telemetry: ServoTelemetry | None = None,
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write `report.html` into a folder and return its path.
 
@@ -50,6 +52,7 @@ def write_report(
         title: the motion's prompt where it is empty.
         timings: seconds by stage.
         telemetry: what the servos did when the trajectory was streamed, or None.
+        notes: shown below those of the verdict.
 
     Raises:
         InvalidFile: the folder cannot be written.
@@ -67,7 +70,7 @@ def write_report(
         "segments": _segments(motion, trajectory),
         "checks": "\n".join(_row(check, trajectory.fps) for check in verdict.checks),
         "worst": _worst_moments(judgement),
-        "notes": "".join(f"<li>{html.escape(note)}</li>" for note in verdict.notes),
+        "notes": "".join(f"<li>{html.escape(note)}</li>" for note in (*verdict.notes, *notes)),
         "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
         "joints": _timed(joints_plot(judgement.reference), "joints", _JOINTS_CAPTION),

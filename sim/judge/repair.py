@@ -78,6 +78,7 @@ def repair(
     level: Level = "default",
     perturbed: int = 0,
     controllers: Sequence[ControllerName] = ("default", "wbc"),
+    known: Judgement | None = None,
 ) -> Repaired:
     """Climb the ladder until a rung passes every check.
 
@@ -90,6 +91,7 @@ def repair(
         level: see `judge`.
         perturbed: see `judge`.
         controllers: tried one after the other on each motion, as long as only balance or tracking fails.
+        known: of the trajectory as it is with the first controller, where it was judged like this before.
 
     Returns:
         The first rung that passed, with what was changed in the notes of its verdict; the unchanged motion's judgement,
@@ -99,7 +101,11 @@ def repair(
     first: Repaired | None = None
     for change, changed, candidate in _rungs(trajectory, motion, retarget):
         for controller in controllers:
-            judgement = judge(candidate, robot, mount=mount, level=level, controller=controller, perturbed=perturbed)
+            judgement, known = known, None
+            if judgement is None:
+                judgement = judge(
+                    candidate, robot, mount=mount, level=level, controller=controller, perturbed=perturbed
+                )
             failed = [check.name for check in judgement.verdict.failures]
             rung = f"{change.words()}, {controller} controller"
             tried.append(f"{rung}: {'passed' if not failed else 'failed ' + ', '.join(failed)}")

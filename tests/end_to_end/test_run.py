@@ -7,6 +7,7 @@ import runpy
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,6 +21,7 @@ from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, l
 from ros_free_stack.messages import ControllerName, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import load_robot
 from ros_free_stack.skeleton import FPS
+from sim.draw.report import write_report
 from sim.judge.verdict import Judgement
 
 WAVE = ("run", "a person waves with the right hand", "--robot", "op3", "--candidates", "2", "--no-video", "--json")
@@ -48,17 +50,20 @@ def test_wave_is_feasible_and_streamed(wave):
     assert result["verdict"]["passed"]
     assert result["in_domain"]
     assert [segment["text"] for segment in result["segments"]] == ["a person waves with the right hand"]
-    assert len(result["candidates"]) == 2
+    assert result["search"] == {"candidates": 2, "judged": len(result["candidates"]), "exhaustive": False}
+    assert result["candidates"][0]["passed"]
+    assert len(result["candidates"]) == 1 or not result["candidates"][1]["passed"]
     assert result["servo"]["cycles"] > 100
     assert {"rate_hz", "jitter_p99_ms", "errors"} <= set(result["servo"])
-    assert {"text", "generate", "retarget", "validate", "report", "servo"} <= set(result["timings_s"])
+    assert {"text", "generate", "retarget", "validate", "to_verdict", "report", "servo"} <= set(result["timings_s"])
     assert {"name", "value", "unit", "limit", "passed"} <= set(result["verdict"]["checks"][0])
 
 
 def test_what_a_motion_does_not_show_is_told(wave, tmp_path: Path, capsys):
     """Nobody squats three times in two seconds."""
     _, result, _ = wave
-    assert [candidate["not_shown"] for candidate in result["candidates"]] == [[], []]
+    assert [candidate["not_shown"] for candidate in result["candidates"]] == [[]] * len(result["candidates"])
+    assert all(candidate["violations"] == 0 for candidate in result["candidates"])
     squats = ("generate", "a person squats three times", "--duration", "2", "--out", str(tmp_path / "squats.npz"))
     assert launch.main(list(squats)) == 0
     assert "prompt mismatch: 0.0 to 2.0 s: does not show the number of `a person squats" in capsys.readouterr().out
@@ -99,13 +104,22 @@ def test_an_infeasible_motion_is_reported_and_never_streamed(tmp_path: Path, mon
     perform(scene, "jump", height=0.3)
     leap = HumanMotion(joints(scene.solve(0.1)), FPS, "a person jumps")
     monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (leap,))
+    told: list[str] = []
+
+    def report(*arguments: Any, **options: Any) -> Path:
+        told.append(capsys.readouterr().err)
+        return write_report(*arguments, **options)
+
+    monkeypatch.setattr("sim.draw.report.write_report", report)
     arguments = ["run", "a person jumps", "--candidates", "1", "--no-repair", "--no-video", "--servo", "sim", "--json"]
     code = launch.main([*arguments, "--out", str(tmp_path)])
     captured = capsys.readouterr()
+    assert "verdict: INFEASIBLE" in told[0], "before the report is drawn"
+    assert "0 of 1 candidates are feasible on op3" in (tmp_path / "report.html").read_text()
     result = json.loads(captured.out)
     assert code == 3
     assert result["verdict"]["passed"] is False and result["servo"] is None
-    assert "nothing is streamed" in captured.err
+    assert "nothing is streamed" in told[0]
     assert not load_verdict(tmp_path / "verdict.json").passed
     assert not (tmp_path / "telemetry.npz").exists()
 

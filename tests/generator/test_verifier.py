@@ -15,7 +15,7 @@ from generator.probes.named import told
 from generator.probes.signals import Signals
 from generator.registry import SHARED_WEIGHTS
 from generator.text.encoder import TextEncoder
-from generator.verifier import ABSENT, FLIGHT, Verifier
+from generator.verifier import ABSENT, FLIGHT, Mismatch, Verifier
 from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.skeleton import FPS
 
@@ -95,9 +95,10 @@ def test_motion_that_shows_its_texts(check: Verifier) -> None:
 )
 def test_what_is_missing_is_said(check: Verifier, text: str, wrong: str) -> None:
     shown = motion(("a person turns 90 degrees to the left", TURN), (text, WAVE_LEFT))
-    (line,) = check.mismatches(shown)
+    (found,) = check.mismatches(shown)
     start, end = shown.segments[1].start_s, shown.segments[1].end_s
-    assert line == f"{start:.1f} to {end:.1f} s: does not show the {wrong} of `{text}`"
+    assert found.words == f"{start:.1f} to {end:.1f} s: does not show the {wrong} of `{text}`"
+    assert found.violations == (ABSENT if wrong == "action" else 1)
 
 
 def test_feet_that_leave_the_floor_unasked_are_said(check: Verifier) -> None:
@@ -105,7 +106,8 @@ def test_feet_that_leave_the_floor_unasked_are_said(check: Verifier) -> None:
     assert check.mismatches(motion(("a person jumps", hop))) == ()
     shown = motion(("a person waves", WAVE_LEFT), ("a person bows", hop))
     start, end = shown.segments[1].start_s, shown.segments[1].end_s
-    assert f"{start:.1f} to {end:.1f} s: leaves the floor in `a person bows`" in check.mismatches(shown)
+    words = f"{start:.1f} to {end:.1f} s: leaves the floor in `a person bows`"
+    assert Mismatch(FLIGHT, words) in check.mismatches(shown)
     windows = [(round(s.start_s * FPS), round(s.end_s * FPS)) for s in shown.segments]
     required = check.requirements(["a person waves", "a person photosynthesises"])
     assert check.violations(Signals.of(shown.joints), windows, required).tolist() == [0, 0], (

@@ -13,6 +13,7 @@ from ros_free_stack.messages import HumanMotion, Segment
 from ros_free_stack.robot_model import kinematic_model, standing_qpos
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
 from sim.judge.repair import GENTLER, Change, gentler, repair, turning
+from sim.judge.verdict import judge
 
 
 def person(frames: int = 40) -> HumanMotion:
@@ -102,3 +103,19 @@ def test_without_the_human_motion_only_controllers_are_tried(op3, standing):
         "as it was, default controller",
         "as it was, wbc controller",
     ]
+
+
+def test_what_is_known_is_not_judged_again(op3, standing, monkeypatch):
+    falling = leaning(op3, standing)
+    known = judge(falling, op3)
+    asked: list[str] = []
+
+    def counted(trajectory, robot, **options):
+        asked.append(options["controller"])
+        return judge(trajectory, robot, **options)
+
+    monkeypatch.setattr("sim.judge.repair.judge", counted)
+    found = repair(falling, op3, known=known)
+    assert asked == ["wbc"]
+    assert found.tried[0].startswith("as it was, default controller: failed")
+    assert found.judgement.verdict.checks == known.verdict.checks
