@@ -80,7 +80,7 @@ def parse(name: str, arguments: list[str]) -> Command:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the command line: 0 done, 2 bad input, 3 infeasible, 4 hardware fault, 130 interrupted."""
+    """Run the command line: 0 done, 2 bad input, 3 infeasible, 4 hardware fault, 5 not as asked, 130 interrupted."""
     if not arguments or arguments[0] in ("-h", "--help"):
         print(usage())
         return 0

@@ -2,19 +2,14 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import tyro
 
+from generator.options import MotionOptions
 from generator.registry import DEFAULT, DEFAULT_PRESET, SHARED, WEIGHTS_FOLDER, find_preset, stages
 from generator.settings import Size
 from ros_free_stack.console import Command, say
-from ros_free_stack.errors import InvalidOption
-
-if TYPE_CHECKING:
-    from generator.performer import Performer
-    from ros_free_stack.messages import HumanMotion
-
 
 DOMAIN_STAGE: Final = "domain"
 
@@ -95,7 +90,7 @@ class Train(Command):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Generate(Command):
+class Generate(MotionOptions):
     """Generate human motion from a sentence."""
 
     prompt: Annotated[str, tyro.conf.Positional]
@@ -106,18 +101,6 @@ class Generate(Command):
     """Same seed, same motion."""
     candidates: int = 1
     """How many motions to make."""
-    duration: float | None = None
-    """Total duration in s, 2 to 9.8; from the sentence where not given."""
-    durations: tuple[float, ...] | None = None
-    """Duration of each segment in s instead, in temporal order."""
-    start: Path | None = None
-    """Motion to go on from: the new one begins where its last frame ends, without a jump."""
-    edit: Path | None = None
-    """Motion of which --range is made anew from the sentence; the rest stays."""
-    range: tuple[float, float] | None = None
-    """Start and end in s of what --edit makes anew."""
-    then: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """A sentence to append, which goes on from where the last one ends; give it as often as you like."""
     generator: str = DEFAULT
     """Which generator makes the motion: `segmo` comes with the program, `momask` where it was trained."""
     weights: Path | None = None
@@ -132,7 +115,7 @@ class Generate(Command):
     def run(self) -> int:
         from generator.text.prompt import check_prompt
 
-        self._check()
+        self.check_options()
         for prompt in (self.prompt, *self.then):
             check_prompt(prompt)  # before anything that loads slowly
         from generator.performer import Performer
@@ -149,7 +132,7 @@ class Generate(Command):
             sentences.append((prompt, understood.segments))
         make_folder(self.out.parent)
         generator = Performer.load(folder, generator=self.generator)
-        motions = self._motions(generator, sentences)
+        motions = self.motions(generator, sentences, seed=self.seed, candidates=self.candidates)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
@@ -164,51 +147,3 @@ class Generate(Command):
             lines += [f"wrote {path}", *(f"prompt mismatch: {mismatch.words}" for mismatch in wrong)]
         self.report(found, *lines)
         return 0
-
-    def _check(self) -> None:
-        """InvalidOption where options do not go together."""
-        if (self.edit is None) != (self.range is None):
-            raise InvalidOption("--edit", "needs --range START END, and --range needs --edit MOTION")
-        for option, given in (("--start", self.start), ("--duration", self.duration), ("--durations", self.durations)):
-            if given is not None and (self.edit is not None or (self.then and option != "--start")):
-                raise InvalidOption(option, "cannot be combined with --edit or --then")
-        if self.duration is not None and self.durations is not None:
-            raise InvalidOption("--durations", "cannot be combined with --duration")
-        if self.edit is not None and self.then:
-            raise InvalidOption("--then", "cannot be combined with --edit")
-        if self.then and self.candidates != 1:
-            raise InvalidOption("--candidates", "cannot be combined with --then")
-
-    def _motions(
-        self, generator: "Performer", sentences: list[tuple[str, tuple[str, ...]]]
-    ) -> "tuple[HumanMotion, ...]":
-        """The motions of the sentences and their segments, as the options ask for them."""
-        from generator.continuation import Continuation, concatenated
-        from generator.editing import edit
-        from ros_free_stack.files import load_motion
-
-        (prompt, segments), *_ = sentences
-        start = None if self.start is None else load_motion(self.start)
-        if self.edit is not None and self.range is not None:
-            return edit(
-                generator,
-                load_motion(self.edit),
-                prompt,
-                segments,
-                start_s=self.range[0],
-                end_s=self.range[1],
-                seed=self.seed,
-                candidates=self.candidates,
-            )
-        if self.then:
-            continuation = Continuation(generator, self.seed, start)
-            return (concatenated([continuation.append(prompt, segments) for prompt, segments in sentences]),)
-        return generator.generate(
-            prompt,
-            segments,
-            seed=self.seed,
-            candidates=self.candidates,
-            duration_s=self.duration,
-            durations_s=self.durations,
-            start=start,
-        )

@@ -9,6 +9,7 @@ from ros_free_stack.errors import InvalidOption, NoWeights, UnknownName
 FEATURES = 263
 TEXT_WIDTH = 384
 MAX_SEGMENTS = 5
+MAX_ACTIONS = 20
 MIN_FRAMES, MAX_FRAMES = 40, 196
 """Of a motion at 20 fps, as published (T2M)."""
 

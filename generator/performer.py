@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generator import weights
+from generator.config import MAX_ACTIONS, MAX_SEGMENTS
 from generator.continuation import concatenated
 from generator.datasets.layout import HUMAN
 from generator.model import Known, MotionModel, Sampling, TextCondition
@@ -120,11 +121,12 @@ class Performer:
     ) -> tuple[HumanMotion, ...]:
         """Generate motions; the same arguments give the same motions.
 
-        A sentence that takes longer than the model can see is generated in parts that go on from each other.
+        A sentence that takes longer than the model can see, or has more actions, is generated in parts that go on from
+        each other; one whose durations are given has to fit into one part.
 
         Args:
             prompt: the whole sentence.
-            segments: its 1 to 5 segment texts in temporal order; up to 4 with `start`.
+            segments: its 1 to 20 segment texts in temporal order.
             candidates: how many motions, which differ in noise and a little in timing.
             duration_s: total duration, for a model of 196 frames 2 to 9.8 s, with `start` to 8.8 s; shared among the
                 segments as predicted.
@@ -135,7 +137,13 @@ class Performer:
             InvalidOption: a number is out of range, or `start` is too short or not at 20 frames a second.
         """
         spec = self.model.spec
-        self.check(len(segments) + (start is not None), spec.most_frames, candidates)
+        first = MAX_SEGMENTS - (start is not None)
+        timed = duration_s is not None or durations_s is not None
+        most = first if timed else MAX_ACTIONS
+        if not 1 <= len(segments) <= most:
+            where = " where durations are given" if timed else ""
+            raise InvalidOption("segments", f"expected 1 to {most}{where}, found {len(segments)}")
+        self.check(min(len(segments), first), spec.most_frames, candidates)
         settings = settings or PerformerSettings()
         noise = self.noise(seed)
         most_s = spec.most_s - CONTEXT_S * (start is not None)
@@ -146,7 +154,7 @@ class Performer:
         if duration_s is not None:
             seconds = fitted(seconds, duration_s, spec.least_s, most_s)
             return self._perform(prompt, segments, seconds, start, settings, noise)
-        sizes = part_sizes(seconds.mean(axis=0).tolist(), most_s, spec.most_s - CONTEXT_S)
+        sizes = part_sizes(seconds.mean(axis=0).tolist(), most_s, spec.most_s - CONTEXT_S, first=first)
         if len(sizes) > 1:
             return self._in_turn(prompt, segments, seconds, sizes, start, settings, noise)
         return self._perform(prompt, segments, seconds, start, settings, noise)
@@ -289,11 +297,12 @@ class Performer:
 
     def _distributions(self, segments: Sequence[str]) -> tuple[Tensor, Tensor]:
         """Mean and log of the standard deviation of the log of each segment's duration in s, (A,)."""
-        place = torch.arange(len(segments), device=self.device)
+        # The predictor knows sentences of so many segments; in a longer one its last place stands for the rest.
+        place = torch.arange(len(segments), device=self.device).clamp(max=MAX_SEGMENTS - 1)
         texts = torch.from_numpy(self.text_encoder.encode_sentences(list(segments))).to(self.device)
         counts = torch.from_numpy(segment_counts(segments)).to(self.device)
         with torch.inference_mode():
-            return self.durations(texts, counts, place, torch.full_like(place, len(segments)))
+            return self.durations(texts, counts, place, torch.full_like(place, min(len(segments), MAX_SEGMENTS)))
 
     def _resampler(self, texts: Sequence[str], settings: PerformerSettings) -> Resampler:
         """What samples motions of such segment texts."""

@@ -1,7 +1,7 @@
 """How long the segments of a sentence last: as predicted, as asked for, and in parts where that is too long at once."""
 
 from collections.abc import Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,14 @@ HURRY: Final = 1.05
 """So much faster than predicted a motion may be: another part costs more."""
 
 
-def part_sizes(seconds: Sequence[float], first_s: float, later_s: float) -> tuple[int, ...]:
+def part_sizes(
+    seconds: Sequence[float],
+    first_s: float,
+    later_s: float,
+    *,
+    first: int = MAX_SEGMENTS,
+    later: int = MAX_SEGMENTS - 1,
+) -> tuple[int, ...]:
     """Numbers of segments that are generated at a time, so that nothing has to be hurried.
 
     The fewest parts among those that are hurried least, and of these the most even ones.
@@ -22,17 +29,21 @@ def part_sizes(seconds: Sequence[float], first_s: float, later_s: float) -> tupl
     Args:
         seconds: predicted duration of each segment, s.
         first_s, later_s: longest first part and longest one that goes on from another, s.
+        first, later: most segments of either.
     """
-
-    def cost(sizes: tuple[int, ...]) -> tuple[float, int, float]:
-        edges = np.cumsum((0, *sizes))
-        lasts = [sum(seconds[start:end]) for start, end in pairwise(edges)]
-        hurry = sum(max(0.0, last - HURRY * (later_s if i else first_s)) for i, last in enumerate(lasts))
-        return round(hurry, 6), len(sizes), max(lasts)
-
-    count = len(seconds)
-    edges = (cuts for parts in range(count) for cuts in combinations(range(1, count), parts))
-    return min((tuple(np.diff((0, *cuts, count)).tolist()) for cuts in edges), key=cost)
+    # Best way to part the first so many segments: hurry, parts, longest part, and their sizes.
+    best: list[tuple[float, int, float, tuple[int, ...]]] = [(0.0, 0, 0.0, ())]
+    for end in range(1, len(seconds) + 1):
+        found: list[tuple[float, int, float, tuple[int, ...]]] = []
+        for start in range(end):
+            limit, most_s = (later, later_s) if start else (first, first_s)
+            if end - start <= limit:
+                last = sum(seconds[start:end])
+                hurry, parts, longest, sizes = best[start]
+                hurry = round(hurry + max(0.0, last - HURRY * most_s), 6)
+                found.append((hurry, parts + 1, max(longest, last), (*sizes, end - start)))
+        best.append(min(found))
+    return best[-1][3]
 
 
 def fitted(seconds: np.ndarray, total_s: float, least_s: float, most_s: float) -> np.ndarray:

@@ -35,10 +35,14 @@ FLIGHT: Final = 2
 
 @dataclass(frozen=True)
 class Mismatch:
-    """Something that a motion does not show: how many `violations` it counts as, and a line of `words`."""
+    """Something that a motion does not show: how many `violations` it counts as, and a line of `words`.
+
+    `absent` where the action itself is not there; else it is, and a detail is another.
+    """
 
     violations: int
     words: str
+    absent: bool = False
 
 
 @dataclass(frozen=True)
@@ -132,7 +136,8 @@ class Verifier:
                 checks = part.checks(signals, window)
                 wrong = _wrong(checks)
                 if wrong:
-                    found.append(Mismatch(violations(checks), f"{when}: {wrong} of `{part.clause}`"))
+                    absent = checks is not None and not checks.action
+                    found.append(Mismatch(violations(checks), f"{when}: {wrong} of `{part.clause}`", absent))
             if leaves_floor(signals, window, parts):
                 found.append(Mismatch(FLIGHT, f"{when}: leaves the floor in `{segment.text}`"))
         return tuple(found)

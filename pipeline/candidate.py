@@ -1,4 +1,4 @@
-"""One way to do what a sentence asks for, with everything that is known about it."""
+"""One candidate of a run: a generated motion with what the robot makes of it and what the judge says."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,12 +19,14 @@ class Sample:
         violations: the verifier's count of what is wrong with it.
         missing: what the motion does not show of its segments' texts, a line each.
         distance: from the sentence, by the evaluator of text and motion; less is better.
+        faithful: whether every action that was asked for is there, as far as the verifier can tell.
     """
 
     motion: HumanMotion
     violations: int
     missing: tuple[str, ...]
     distance: float
+    faithful: bool = True
 
     @property
     def order(self) -> tuple[int, float]:
@@ -47,16 +49,22 @@ class Candidate:
         return self.sample.motion
 
     @property
-    def order(self) -> tuple[int, int, float]:
-        """Candidates are preferred by fewest failed checks, then by how well the motion shows what was said."""
-        return len(self.judgement.verdict.failures), *self.sample.order
+    def passed(self) -> bool:
+        """Feasible on the robot, and showing what was asked for."""
+        return self.judgement.passed and self.sample.faithful
+
+    @property
+    def order(self) -> tuple[bool, int, int, float]:
+        """Those that pass come first, then by fewest failed checks, then by how well they show what was said."""
+        return not self.passed, len(self.judgement.verdict.failures), *self.sample.order
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         failed = [check.name for check in self.judgement.verdict.failures]
-        errors = [limb.mean for limb in self.report.position_error_cm.values()]
+        errors = [spread.mean for spread in self.report.position_error_cm.values()]
         return {
             "passed": self.judgement.passed,
+            "faithful": self.sample.faithful,
             "failed": failed,
             "duration_s": self.motion.duration_s,
             "not_shown": list(self.sample.missing),

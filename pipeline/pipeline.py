@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from sim.judge.verdict import Judgement
 
 Stage = TypeVar("Stage")
+Make = Callable[["Performer"], tuple[HumanMotion, ...]]
 
 
 class Pipeline:
@@ -68,9 +69,11 @@ class Pipeline:
         return understood.segments, understood.known
 
     def generate(
-        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int
+        self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int, make: "Make | None" = None
     ) -> tuple[HumanMotion, ...]:
-        """Human motions for a prompt."""
+        """Human motions for a prompt, or what `make` makes with the generator."""
+        if make is not None:
+            return make(self._generator)
         return self._generator.generate(prompt, segments, seed=seed, candidates=candidates)
 
     def compared(self, prompt: str, motions: Sequence[HumanMotion]) -> list[Sample]:
@@ -82,7 +85,8 @@ class Pipeline:
         for motion, distance in zip(motions, distances, strict=True):
             found = self._generator.mismatches(motion)
             violations = sum(mismatch.violations for mismatch in found)
-            samples.append(Sample(motion, violations, tuple(mismatch.words for mismatch in found), distance))
+            words = tuple(mismatch.words for mismatch in found)
+            samples.append(Sample(motion, violations, words, distance, not any(mismatch.absent for mismatch in found)))
         return sorted(samples, key=lambda sample: sample.order)
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
@@ -137,14 +141,16 @@ class Pipeline:
         timings: Timings,
         repair: bool = False,
         exhaustive: bool = False,
+        make: "Make | None" = None,
     ) -> tuple[Candidate, ...]:
         """Generate, then retarget and judge what shows the sentence best, one after the other until one passes.
 
-        The preferred candidate comes first, repaired where none passes. `exhaustive` goes on after one has passed: that
-        one stays the preferred one, but how many pass is then known.
+        One passes if it is feasible and shows every action that was asked for. The preferred candidate comes first,
+        repaired where none is feasible. `exhaustive` goes on after one has passed: that one stays preferred, but
+        how many pass is then known. `make` makes the motions in another way than from the prompt alone.
         """
         with timings.measure("generate"):
-            motions = self.generate(prompt, segments, seed=seed, candidates=candidates)
+            motions = self.generate(prompt, segments, seed=seed, candidates=candidates, make=make)
             samples = self.compared(prompt, motions)
         found: list[Candidate] = []
         for sample in progress(samples, "retarget and judge", total=len(samples)):
@@ -152,7 +158,7 @@ class Pipeline:
                 trajectory, report = self.retarget(sample.motion)
             with timings.measure("validate"):
                 found.append(Candidate(sample, trajectory, report, self.judge(trajectory)))
-            if found[-1].judgement.passed and not exhaustive:
+            if found[-1].passed and not exhaustive:
                 break
         found.sort(key=lambda candidate: candidate.order)
         if repair and not found[0].judgement.passed:

@@ -1,7 +1,8 @@
-"""The `run` subcommand: a sentence to a run folder, and on request to servos."""
+"""The `run` subcommand: a sentence, or a file of them, to run folders, and on request to servos."""
 
+import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
@@ -9,34 +10,53 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from generator.options import MotionOptions, Sentence
 from pipeline.candidate import Candidate
 from pipeline.pipeline import Pipeline
+from pipeline.run_folder import RunFolder
+from pipeline.run_words import EXIT_CODES, NOT_AS_ASKED, closing_words, outcome, searched_words, verdict_words
 from pipeline.timings import Timings
-from ros_free_stack.console import Command, say
-from ros_free_stack.errors import InvalidOption
+from ros_free_stack.console import print_table, say
+from ros_free_stack.errors import HardwareFault, InvalidOption, InvalidPrompt, StackError
+from ros_free_stack.files import read_lines
 from ros_free_stack.messages import ControllerName
 from ros_free_stack.robots import RobotDescription, load_robot
 
 MAX_CANDIDATES = 64
-TELEMETRY = "telemetry.npz"
+LONGEST_NAME = 40
+
+
+@dataclass(frozen=True)
+class Ran:
+    """One run: its result for JSON, its last words, and the process's exit code."""
+
+    result: dict[str, Any]
+    words: tuple[str, ...]
+    code: int
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run(Command):
+class Run(MotionOptions):
     """Turn a sentence into a robot's motion: generate, retarget, judge, draw, and stream on request.
 
-    The exit code is 0 if a candidate passed every check, 3 if none did (the report says why).
+    The exit code is 0 if a candidate passed every check and shows what was asked for, 3 if none is feasible (the report
+    says why), 5 if what is feasible lacks an action that was asked for. Of a file of prompts it is 0 if all lines are,
+    else that of the first that is not.
 
     Examples:
         python launch.py run "a person waves with the right hand" --out out/
         python launch.py run "walks forward, then bows" --robot g1 --candidates 8 --seed 3
+        python launch.py run "squats" --then "waves" --then "bows"
+        python launch.py run --prompts prompts.txt --out out/all --json
         python launch.py run "squats twice" --servo sim --json
         python launch.py run "claps" --servo /dev/ttyUSB0
         python launch.py run "waves" --servo /dev/ttyUSB0,/dev/ttyUSB1 --mount fixed --dry-run
     """
 
-    prompt: Annotated[str, tyro.conf.Positional]
+    prompt: Annotated[str | None, tyro.conf.Positional] = None
     """What the robot should do, in English."""
+    prompts: Path | None = None
+    """A file of prompts instead, one a line: each gets a folder in the run folder, and there is a table at the end."""
     robot: str = "op3"
     """Robot by name; `launch.py robots list` shows them."""
     out: Path = Path("out/run")
@@ -61,7 +81,7 @@ class Run(Command):
     """Servo directions, zeros and ranges (.yaml), as `servos calibrate` writes it."""
     video: Annotated[bool, tyro.conf.arg(help="Draw video.mp4 where a GL library is present.")] = True
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Try a sentence outside what the model knows."""
+    """Try a sentence outside what the model knows, and stream a motion that lacks an action that was asked for."""
     generator: str = "segmo"
     """Which generator makes the motion: `segmo` comes with the program."""
     llm: str | None = None
@@ -70,11 +90,47 @@ class Run(Command):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
-        from generator.text.prompt import check_prompt
-        from ros_free_stack.files import check_folder, make_folder
+        prompts = self._prompts()
+        robot = self._checked()
+        pipeline = Pipeline(
+            robot,
+            llm=self.llm,
+            llm_model=self.llm_model,
+            mount=self.mount,
+            controller=self._controller(),
+            generator=self.generator,
+        )
+        if self.prompts is not None:
+            return self._run_all(pipeline, prompts)
+        ran = self._run_one(pipeline, prompts[0], self.out)
+        self.report(ran.result, *ran.words)
+        return ran.code
 
-        started = perf_counter()
-        check_prompt(self.prompt)  # before anything that loads slowly
+    def _prompts(self) -> tuple[str, ...]:
+        """The sentences, checked before anything that loads slowly; those of a file are checked one by one later."""
+        from generator.text.prompt import check_prompt
+
+        if (self.prompt is None) == (self.prompts is None):
+            raise InvalidPrompt(
+                'say what the robot should do, for example run "wave with the right hand", or --prompts'
+            )
+        if self.prompt is not None:
+            for prompt in (self.prompt, *self.then):
+                check_prompt(prompt)
+            return (self.prompt,)
+        if self.edit is not None or self.start is not None or self.then:
+            raise InvalidOption("--prompts", "cannot be combined with --start, --edit or --then")
+        assert self.prompts is not None
+        lines = tuple(line.strip() for line in read_lines(self.prompts) if line.strip())
+        if not lines:
+            raise InvalidOption("--prompts", f"{self.prompts} has no line with a sentence")
+        return lines
+
+    def _checked(self) -> RobotDescription:
+        """The robot, after a look at all other options and at the servos' port."""
+        from ros_free_stack.files import check_folder
+
+        self.check_options()
         check_folder(self.out)
         if not 1 <= self.candidates <= MAX_CANDIDATES:
             raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
@@ -85,49 +141,49 @@ class Run(Command):
             check_port(self.servo, robot, joints=self.joints, calibration=self.calibration)
         elif self.dry_run or self.joints or self.calibration:
             raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
-        timings = Timings()
-        pipeline = Pipeline(
-            robot,
-            llm=self.llm,
-            llm_model=self.llm_model,
-            mount=self.mount,
-            controller=self._controller(),
-            generator=self.generator,
-        )
+        return robot
+
+    def _run_one(self, pipeline: Pipeline, prompt: str, out: Path) -> Ran:
+        from ros_free_stack.files import make_folder
+
+        started, timings = perf_counter(), Timings()
         with timings.measure("text"):
-            segments, in_domain = pipeline.segments(self.prompt, anyway=self.anyway)
-        make_folder(self.out)
+            understood = [(text, *pipeline.segments(text, anyway=self.anyway)) for text in (prompt, *self.then)]
+        sentences: list[Sentence] = [(text, segments) for text, segments, _ in understood]
+        whole = ", then ".join(text for text, _ in sentences)
+        folder = RunFolder(make_folder(out))
         found = pipeline.candidates(
-            self.prompt,
-            segments,
+            whole,
+            tuple(text for _, segments in sentences for text in segments),
             seed=self.seed,
             candidates=self.candidates,
             timings=timings,
             repair=self.repair,
             exhaustive=self.exhaustive,
+            make=lambda performer: self.motions(performer, sentences, seed=self.seed, candidates=self.candidates),
         )
-        best = found[0]
+        best, robot = found[0], pipeline.robot
         timings.seconds["to_verdict"] = perf_counter() - started
-        searched = self._searched(found)
-        self._tell(*self._verdict_words(best, searched))
-        files = self._save(best, timings)
-        if self.servo is not None and not best.judgement.passed:
-            self._say_why_not(best, pipeline)
+        searched = searched_words(found, self.candidates, exhaustive=self.exhaustive)
+        self._tell(*verdict_words(best, searched))
+        files = folder.save(best, timings)
         try:
-            servo = self._stream(best, robot, timings)
+            servo = self._stream(best, pipeline, folder, timings)
         finally:
             # A stream that a fault ended is the one whose plots are wanted most.
-            files |= self._report(best, robot, timings, searched)
-        verdict = best.judgement.verdict
+            files |= folder.report(best, robot, timings, (searched,), video=self.video)
+        verdict, word = best.judgement.verdict, outcome(best)
         result = {
-            "prompt": self.prompt,
+            "prompt": whole,
             "robot": robot.name,
             "seed": self.seed,
+            "outcome": word,
             "segments": [asdict(segment) for segment in best.motion.segments],
-            "in_domain": in_domain,
+            "in_domain": all(known for _, _, known in understood),
             "search": {"candidates": self.candidates, "judged": len(found), "exhaustive": self.exhaustive},
             "candidates": [candidate.as_dict() for candidate in found],
             "retarget": best.report.as_dict(),
+            "faithful": {"passed": best.sample.faithful, "not_shown": list(best.sample.missing)},
             "verdict": {
                 "passed": verdict.passed,
                 "controller": verdict.controller,
@@ -138,59 +194,31 @@ class Run(Command):
             "timings_s": {stage: round(seconds, 3) for stage, seconds in timings.seconds.items()},
             "files": files,
         }
-        self.report(result, *self._closing_words(servo))
-        return 0 if verdict.passed else 3
+        return Ran(result, tuple(closing_words(str(out), servo, dry_run=self.dry_run)), EXIT_CODES[word])
 
-    def _save(self, best: Candidate, timings: Timings) -> dict[str, str]:
-        """Write motion, trajectory and verdict; what an earlier run left there must not pass for this one's."""
-        from ros_free_stack.files import save_motion, save_trajectory, save_trajectory_csv, save_verdict
-
-        for name in ("video.mp4", TELEMETRY):
-            (self.out / name).unlink(missing_ok=True)
-        with timings.measure("report"):
-            save_motion(self.out / "human_motion.npz", best.motion)
-            save_trajectory(self.out / "trajectory.npz", best.trajectory)
-            save_trajectory_csv(self.out / "trajectory.csv", best.trajectory)
-            save_verdict(self.out / "verdict.json", best.judgement.verdict)
-        return self._files("human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json")
-
-    def _report(self, best: Candidate, robot: RobotDescription, timings: Timings, searched: str) -> dict[str, str]:
-        """Write report and video, with what the servos did where there was a stream."""
-        from ros_free_stack.files import load_telemetry
-        from sim.draw.report import write_report
-
-        path = self.out / TELEMETRY
-        telemetry = load_telemetry(path) if path.exists() else None
-        names = ["report.html", *([TELEMETRY] if telemetry else [])]
-        with timings.measure("report"):
-            write_report(
-                self.out,
-                best.motion,
-                best.trajectory,
-                best.judgement,
-                robot,
-                telemetry=telemetry,
-                timings=dict(timings.seconds),
-                notes=(searched,),
-            )
-        if self.video:
-            with timings.measure("video"):
-                names += self._video(best, robot)
-        return self._files(*names)
-
-    def _files(self, *names: str) -> dict[str, str]:
-        return {name: str(self.out / name) for name in names}
-
-    def _video(self, best: Candidate, robot: RobotDescription) -> list[str]:
-        from ros_free_stack.errors import MissingDependency
-        from sim.draw.render import render_video
-
-        try:
-            render_video(self.out / "video.mp4", best.trajectory, best.judgement, robot, best.motion)
-        except MissingDependency as error:
-            say(f"no video: {error}")
-            return []
-        return ["video.mp4"]
+    def _run_all(self, pipeline: Pipeline, prompts: Sequence[str]) -> int:
+        """One folder a prompt; a line that fails is told, and the next one is tried. A servo fault ends it all."""
+        rows: list[tuple[str, ...]] = []
+        results: list[dict[str, Any]] = []
+        codes: list[int] = []
+        for number, prompt in enumerate(prompts, start=1):
+            out = self.out / f"{number:0{len(str(len(prompts)))}d}-{_slug(prompt)}"
+            say(f"{number} of {len(prompts)}: {prompt}")
+            try:
+                ran = self._run_one(pipeline, prompt, out)
+            except HardwareFault:
+                raise
+            except StackError as error:
+                say(f"error: {error}")
+                ran = Ran({"prompt": prompt, "outcome": "ERROR", "error": str(error)}, (), error.exit_code)
+            results.append(ran.result)
+            codes.append(ran.code)
+            rows.append((prompt, ran.result["outcome"], ran.result.get("error", str(out))))
+        if self.json:
+            self.report({"runs": results})
+        else:
+            print_table(("prompt", "outcome", "folder"), rows)
+        return next((code for code in codes if code), 0)
 
     def _controller(self) -> ControllerName | None:
         """What will move the robot: the servo driver's own controller where there are servos."""
@@ -204,14 +232,22 @@ class Run(Command):
         """Why nothing is streamed, and what would do where it is balance alone that fails."""
         from sim.judge.repair import BALANCE_CHECKS
 
+        if outcome(best) == NOT_AS_ASKED:
+            say("nothing is streamed: the motion lacks an action that was asked for (--anyway streams it all the same)")
+            return
         say("nothing is streamed: no candidate passed with what the servo driver does, which is to send plain angles")
         failed = {check.name for check in best.judgement.verdict.failures}
         if self.mount == "free" and failed <= BALANCE_CHECKS and pipeline.judge(best.trajectory, "default").passed:
             robot = best.trajectory.robot
             say(f"only feedback keeps {robot} up: hang it up and use --mount fixed, or leave --servo out")
 
-    def _stream(self, best: Candidate, robot: RobotDescription, timings: Timings) -> dict[str, Any] | None:
-        if self.servo is None or not best.judgement.passed:
+    def _stream(
+        self, best: Candidate, pipeline: Pipeline, folder: RunFolder, timings: Timings
+    ) -> dict[str, Any] | None:
+        if self.servo is None:
+            return None
+        if not (best.passed or (self.anyway and best.judgement.passed)):
+            self._say_why_not(best, pipeline)
             return None
         from functools import partial
 
@@ -222,14 +258,14 @@ class Run(Command):
             report = stream(
                 best.trajectory,
                 best.judgement.verdict,
-                robot,
+                pipeline.robot,
                 port=self.servo,
-                telemetry=self.out / TELEMETRY,
+                telemetry=folder.telemetry,
                 dry_run=self.dry_run,
                 calibration=self.calibration,
                 joints=self.joints,
                 mount=self.mount,
-                check_way=partial(check_way_in, robot),
+                check_way=partial(check_way_in, pipeline.robot),
             )
         if report.skipped:
             say(f"skipped, not on this rig: {', '.join(report.skipped)}")
@@ -240,34 +276,7 @@ class Run(Command):
         for line in lines:
             print(line, file=sys.stderr if self.json else sys.stdout, flush=True)
 
-    def _searched(self, found: tuple[Candidate, ...]) -> str:
-        """How far the search went."""
-        feasible, robot = sum(candidate.judgement.passed for candidate in found), self.robot
-        if self.exhaustive or not feasible or len(found) == self.candidates:
-            return f"{feasible} of {len(found)} candidates are feasible on {robot}"
-        return (
-            f"candidate {len(found)} of {self.candidates}, in the order in which they show the sentence, is the first "
-            f"that is feasible on {robot}; --exhaustive judges them all"
-        )
 
-    def _verdict_words(self, best: Candidate, searched: str) -> Iterator[str]:
-        verdict = best.judgement.verdict
-        for segment in best.motion.segments:
-            yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
-        yield from (f"prompt mismatch: {line}" for line in best.sample.missing)
-        yield from best.report.failures()
-        yield searched
-        yield from (note for note in verdict.notes if note.startswith(("played by", "changed", "tried")))
-        for check in verdict.failures:
-            yield f"failed {check.name}: {check.value:.3g} {check.unit}, limit {check.limit:.3g} {check.unit}"
-        yield f"verdict: {'PASSED' if verdict.passed else 'INFEASIBLE'}"
-
-    def _closing_words(self, servo: dict[str, Any] | None) -> Iterator[str]:
-        if servo is not None and self.dry_run:
-            yield f"servos: dry run, {servo['joints']} servos on {servo['port']} are ready, nothing was written"
-        elif servo is not None:
-            yield (
-                f"servos: {servo['cycles']} cycles at {servo['rate_hz']:.1f} Hz, "
-                f"jitter p99 {servo['jitter_p99_ms']:.2f} ms, {len(servo['errors'])} errors"
-            )
-        yield f"report: {self.out / 'report.html'}"
+def _slug(prompt: str) -> str:
+    """A prompt as part of a folder's name."""
+    return re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:LONGEST_NAME].rstrip("-") or "prompt"

@@ -22,6 +22,8 @@ from ros_free_stack.errors import InvalidFile, InvalidMessage
 from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, ServoTelemetry, Verdict
 
 FORMAT_VERSION = 1
+LARGEST_TEXT = 1_000_000
+"""Bytes of a file of lines, such as one of prompts."""
 CONVENTIONS = "metres, radians, seconds; world z up, x forward; quaternions wxyz"
 
 _DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -73,6 +75,20 @@ def make_folder(path: Path) -> Path:
     except OSError as error:
         raise InvalidFile(path, f"is not a writable folder: {error.strerror}") from None
     return path
+
+
+def read_lines(path: Path) -> tuple[str, ...]:
+    """The lines of a small text file in UTF-8, a byte-order mark left out; InvalidFile where it is none."""
+    try:
+        if not path.is_file():
+            raise InvalidFile(path, "no such file" if not path.exists() else "is no regular file")
+        if (size := path.stat().st_size) > LARGEST_TEXT:
+            raise InvalidFile(path, f"has {size} bytes, at most {LARGEST_TEXT} are read")
+        return tuple(path.read_text(encoding="utf-8-sig").splitlines())
+    except UnicodeDecodeError as error:
+        raise InvalidFile(path, f"is no text in UTF-8 (byte {error.start})") from None
+    except OSError as error:
+        raise InvalidFile(path, f"cannot be read ({error.strerror})") from None
 
 
 def write_text(path: Path, text: str) -> None:

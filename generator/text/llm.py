@@ -14,10 +14,11 @@ from urllib.error import HTTPError, URLError
 from urllib.parse import urlsplit
 from urllib.request import Request, urlopen
 
+from generator.config import MAX_ACTIONS
 from generator.text.clauses import POSSESSIVES
 from generator.text.prompt import check_prompt
 from generator.text.reading import Reading, Segmenter
-from generator.text.splitter import MAX_SEGMENTS, PERSON
+from generator.text.splitter import PERSON
 from generator.text.wording import PEOPLE
 from ros_free_stack.errors import InvalidOption
 
@@ -39,7 +40,7 @@ is walking first, then running.
 segment.
 Squatting down and standing up again, or raising an arm and lowering it, is one segment too.
 
-Form: at most {MAX_SEGMENTS} segments. Each is lower case, has no full stop, begins with "{PERSON}" and a verb in the \
+Form: at most {MAX_ACTIONS} segments. Each is lower case, has no full stop, begins with "{PERSON}" and a verb in the \
 third person of the present, and says "the" for "his", "her", "their" or "your".
 Answer with JSON alone: {{"segments": ["{PERSON} ...", "{PERSON} ..."]}}
 
@@ -51,7 +52,7 @@ Example: "a man is walking slowly while he claps, then stops"
 _SCHEMA: dict[str, Any] = {
     "type": "object",
     "properties": {
-        "segments": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": MAX_SEGMENTS},
+        "segments": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": MAX_ACTIONS},
     },
     "required": ["segments"],
     "additionalProperties": False,
@@ -153,8 +154,8 @@ def segments_of(content: str) -> tuple[str, ...]:
     segments = found.get("segments") if isinstance(found, dict) else found
     if not isinstance(segments, list) or not all(isinstance(segment, str) for segment in segments):
         raise _BadAnswer("the answer is no list of texts")
-    if not 1 <= len(segments) <= MAX_SEGMENTS:
-        raise _BadAnswer(f"{len(segments)} segments, expected 1 to {MAX_SEGMENTS}")
+    if not 1 <= len(segments) <= MAX_ACTIONS:
+        raise _BadAnswer(f"{len(segments)} segments, expected 1 to {MAX_ACTIONS}")
     return tuple(_normalised(segment) for segment in segments)
 
 

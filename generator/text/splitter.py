@@ -7,6 +7,7 @@ Temporal order ("bows after waving" is wave, bow), details kept ("twice", "slowl
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from generator.config import MAX_ACTIONS
 from generator.text.clauses import Clause, Link, clauses, other_subject
 from generator.text.inflection import third_person, word_set
 from generator.text.negation import without_negations
@@ -20,7 +21,6 @@ from ros_free_stack.errors import InvalidPrompt, MissingDependency
 if TYPE_CHECKING:
     from spacy.tokens import Doc
 
-MAX_SEGMENTS = 5
 PERSON = "a person"
 
 _DESCENTS = frozenset({"squat", "crouch", "kneel", "bend", "bow", "duck", "lean", "dip", "lunge", "stoop", "curtsy"})
@@ -83,11 +83,11 @@ class Splitter:
         return self.read(prompt).segments
 
     def read(self, prompt: str) -> Reading:
-        """One to five segment texts in temporal order, each "a person " and a verb in the third person.
+        """One to twenty segment texts in temporal order, each "a person " and a verb in the third person.
 
         Raises:
-            InvalidPrompt: the prompt is empty, too long, not English, only says what not to do, or has more than five
-                actions in order.
+            InvalidPrompt: the prompt is empty, too long, not English, only says what not to do, or has more than
+                twenty actions in order.
         """
         spelt, corrections = corrected(check_prompt(prompt), self._dictionary)
         plain, left_out = without_negations(plain_wording(spelt))
@@ -99,8 +99,8 @@ class Splitter:
             raise InvalidPrompt(
                 f"no action was found in {plain[:40]!r}; say what the robot should do, 'raise both arms'"
             )
-        if len(moments) > MAX_SEGMENTS:
-            raise InvalidPrompt(f"it describes {len(moments)} actions in order, at most {MAX_SEGMENTS} are possible")
+        if len(moments) > MAX_ACTIONS:
+            raise InvalidPrompt(f"it describes {len(moments)} actions in order, at most {MAX_ACTIONS} are possible")
         return Reading(tuple(moment.text for moment in moments), corrections, left_out)
 
     def _clauses(self, text: str) -> list[Clause]:

@@ -40,37 +40,43 @@ def write_report(
     timings: dict[str, float] | None = None,
     telemetry: ServoTelemetry | None = None,
     notes: Sequence[str] = (),
+    not_shown: Sequence[str] = (),
+    faithful: bool = True,
 ) -> Path:
     """Write `report.html` into a folder and return its path.
 
     Args:
         folder: made if missing.
         motion: the human motion that the trajectory follows, or None.
-        trajectory: what was judged.
+        trajectory: what was judged; its digest is shown.
         judgement: its verdict and playback.
         robot: the robot.
         title: the motion's prompt where it is empty.
         timings: seconds by stage.
         telemetry: what the servos did when the trajectory was streamed, or None.
         notes: shown below those of the verdict.
+        not_shown: what the motion does not show of what was asked for, a line each.
+        faithful: whether every action that was asked for is there; a feasible motion that lacks one did not pass.
 
     Raises:
         InvalidFile: the folder cannot be written.
     """
     folder = make_folder(folder)
     verdict = judgement.verdict
-    word = "feasible" if verdict.passed else "infeasible"
+    path = judgement.reference.trajectory
+    word = "infeasible" if not verdict.passed else "feasible" if faithful else "feasible, but not as asked"
+    lacking = "" if faithful else " The motion lacks an action that was asked for."
     parts = {
         "title": html.escape(title or (motion.prompt if motion else "") or robot.title),
         "robot": html.escape(robot.title),
-        "duration": f"{trajectory.duration_s:.1f} s",
-        "state": "passed" if verdict.passed else "failed",
+        "duration": f"{path.duration_s:.1f} s",
+        "state": "passed" if verdict.passed and faithful else "failed",
         "word": word,
-        "summary": html.escape(_summary(judgement)),
-        "segments": _segments(motion, trajectory),
-        "checks": "\n".join(_row(check, trajectory.fps) for check in verdict.checks),
+        "summary": html.escape(_summary(judgement) + lacking),
+        "segments": _segments(motion, path),
+        "checks": "\n".join(_row(check, path.fps) for check in verdict.checks),
         "worst": _worst_moments(judgement),
-        "notes": "".join(f"<li>{html.escape(note)}</li>" for note in (*verdict.notes, *notes)),
+        "notes": "".join(f"<li>{html.escape(note)}</li>" for note in _notes(verdict.notes, not_shown, notes)),
         "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
         "joints": _timed(joints_plot(judgement.reference), "joints", _JOINTS_CAPTION),
@@ -97,6 +103,10 @@ def _summary(judgement: Judgement) -> str:
     failed = ", ".join(check.name.replace("_", " ") for check in verdict.failures)
     fell = f" It fell after {playback.fell_at_s:.1f} s." if playback and playback.fell_at_s is not None else ""
     return f"{len(verdict.failures)} of {count} checks failed: {failed}.{fell}"
+
+
+def _notes(verdict: Sequence[str], not_shown: Sequence[str], further: Sequence[str]) -> list[str]:
+    return [*(f"not shown: {line}" for line in not_shown), *verdict, *further]
 
 
 def _segments(motion: HumanMotion | None, trajectory: RobotTrajectory) -> str:

@@ -15,6 +15,7 @@ import launch
 from generator.corpus.actions import perform
 from generator.corpus.pose import joints
 from generator.corpus.scene import Scene
+from pipeline.candidate import Sample
 from pipeline.pipeline import Pipeline
 from ros_free_stack.files import load_motion, load_trajectory, load_verdict, save_motion
 from ros_free_stack.messages import HumanMotion
@@ -87,7 +88,7 @@ def test_a_run_repairs_unless_told_not_to(repair, tmp_path, monkeypatch, capsys)
     twist = authored("twist", speed=2.5)
     monkeypatch.setattr(Pipeline, "segments", lambda *_, **__: (("a person twists",), True))
     monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (twist,))
-    monkeypatch.setattr(Pipeline, "distances", lambda *_: [0.0])
+    monkeypatch.setattr(Pipeline, "compared", lambda _, __, motions: [Sample(m, 0, (), 0.0) for m in motions])
     switch = "--repair" if repair else "--no-repair"
     code = launch.main(["run", "a person twists", switch, "--no-video", "--json", "--out", str(tmp_path)])
     notes = json.loads(capsys.readouterr().out)["verdict"]["notes"]

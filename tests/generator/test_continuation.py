@@ -153,5 +153,13 @@ def test_unusable_starts(generator: Performer, walk: HumanMotion, change: dict[s
 def test_no_room_for_so_much_after_a_start(generator: Performer, walk: HumanMotion) -> None:
     with pytest.raises(InvalidOption, match=r"outside of 2 to 8.8 s"):
         generator.generate("a person waves", WAVE, seed=0, start=walk, duration_s=9.5)
-    with pytest.raises(InvalidOption, match="1 to 5 segments, found 6"):
-        generator.generate("a person waves", WAVE * 5, seed=0, start=walk)
+    with pytest.raises(InvalidOption, match="expected 1 to 4 where durations are given, found 5"):
+        generator.generate("a person waves", WAVE * 5, seed=0, start=walk, duration_s=8.0)
+    with pytest.raises(InvalidOption, match="expected 1 to 20, found 21"):
+        generator.generate("a person waves", WAVE * 21, seed=0, start=walk)
+
+
+def test_more_actions_than_the_model_takes_go_on_in_parts(generator: Performer, walk: HumanMotion) -> None:
+    (motion,) = generator.generate("waves a lot", WAVE * 7, seed=0, start=walk)
+    assert tuple(segment.text for segment in motion.segments) == WAVE * 7
+    assert len(motion.joints) == round(motion.segments[-1].end_s * motion.fps)

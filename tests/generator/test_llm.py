@@ -97,7 +97,7 @@ def test_good_answers_take_the_form_of_segments(content: str):
         ('{"segments": [1, 2]}', "no list of texts"),
         ('"a person waves"', "no list of texts"),
         ('{"segments": []}', "0 segments"),
-        (json.dumps({"segments": ["a person waves"] * 6}), "6 segments, expected 1 to 5"),
+        (json.dumps({"segments": ["a person waves"] * 21}), "21 segments, expected 1 to 20"),
         ('{"segments": ["a person waves", ""]}', "not of the form"),
         ('{"segments": ["a person wave"]}', "not of the form"),
         ('{"segments": ["一个人挥手"]}', "not of the form"),

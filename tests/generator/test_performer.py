@@ -194,7 +194,6 @@ def test_generate_command_goes_on_edits_and_appends(folder: Path, tmp_path: Path
         ({"range": (1.0, 2.0)}, "--range needs --edit"),
         ({"duration": 3.0, "durations": (1.0, 2.0)}, "--durations: cannot be combined with --duration"),
         ({"duration": 3.0, "then": ("a person bows",)}, "--duration: cannot be combined with --edit or --then"),
-        ({"candidates": 2, "then": ("a person bows",)}, "--candidates: cannot be combined with --then"),
     ],
 )
 def test_generate_command_names_options_that_do_not_go_together(

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.text.splitter import MAX_SEGMENTS, PERSON, Splitter
+from generator.text.splitter import PERSON, Splitter
 from ros_free_stack.errors import InvalidPrompt
 
 CASES = [
@@ -35,12 +35,13 @@ def test_segments_are_a_fixed_point(splitter: Splitter, expected: str) -> None:
 
 
 def test_five_actions_pass(splitter: Splitter) -> None:
-    assert len(splitter.split("walk, wave, bow, jump, then clap")) == MAX_SEGMENTS
+    assert len(splitter.split("walk, wave, bow, jump, then clap")) == 5
 
 
-def test_more_than_five_actions_are_refused(splitter: Splitter) -> None:
-    with pytest.raises(InvalidPrompt, match="describes 7 actions in order, at most 5"):
-        splitter.split("walk, wave, bow, jump, clap, squat and kick")
+def test_more_than_twenty_actions_are_refused(splitter: Splitter) -> None:
+    assert len(splitter.split("walk, wave, bow, jump, clap, squat and kick")) == 7
+    with pytest.raises(InvalidPrompt, match="describes 21 actions in order, at most 20"):
+        splitter.split(", ".join(["walk", "wave", "bow"] * 7))
 
 
 @pytest.mark.parametrize("prompt", ["", "eine Person winkt mit der rechten Hand", "wave " * 200])

@@ -17,6 +17,9 @@ def test_parts_are_few_and_even() -> None:
     assert part_sizes([3.0, 7.0, 1.0, 4.0], 9.8, 8.8) == (2, 2)
     assert part_sizes([5.0, 5.0], 9.8, 8.8) == (2,), "a little faster is no reason for another part"
     assert part_sizes([12.0], 9.8, 8.8) == (1,)
+    assert part_sizes([0.5] * 6, 9.8, 8.8) == (3, 3), "no more segments at a time than the models take"
+    assert part_sizes([0.5] * 6, 9.8, 8.8, first=2) == (2, 4)
+    assert sum(part_sizes([2.0] * 20, 9.8, 8.8)) == 20
 
 
 @settings(max_examples=300, deadline=None)
