@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
@@ -10,6 +10,13 @@ from generator.options import MotionOptions
 from generator.registry import DEFAULT, DEFAULT_PRESET, SHARED, WEIGHTS_FOLDER, find_preset, stages
 from generator.settings import Size
 from ros_free_stack.console import Command, say
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from generator.performer import Performer
+    from generator.text.understanding import Understood
+    from ros_free_stack.messages import HumanMotion
 
 DOMAIN_STAGE: Final = "domain"
 
@@ -124,15 +131,12 @@ class Generate(MotionOptions):
 
         folder = self.weights or WEIGHTS_FOLDER
         understanding = Understanding(folder / SHARED, segmenter=lambda: segmenter(self.llm, self.llm_model))
-        sentences: list[tuple[str, tuple[str, ...]]] = []
-        for prompt in (self.prompt, *self.then):
-            understood = understanding.read(prompt, anyway=self.anyway)
-            for note in understood.notes:
-                say(note)
-            sentences.append((prompt, understood.segments))
+        understood = [understanding.read(prompt, anyway=self.anyway) for prompt in (self.prompt, *self.then)]
+        for note in (note for sentence in understood for note in sentence.notes):
+            say(note)
         make_folder(self.out.parent)
         generator = Performer.load(folder, generator=self.generator)
-        motions = self.motions(generator, sentences, seed=self.seed, candidates=self.candidates)
+        motions, amounts = self._made(generator, understood)
         paths = [self.out, *(self.out.with_stem(f"{self.out.stem}_{i}") for i in range(1, len(motions)))]
         for path, motion in zip(paths, motions, strict=True):
             save_motion(path, motion)
@@ -140,10 +144,32 @@ class Generate(MotionOptions):
         found = {
             "files": [str(path) for path in paths],
             "segments": [vars(s) for s in motions[0].segments],
+            "amounts": [list(lines) for lines in amounts],
             "not_shown": [[mismatch.words for mismatch in wrong] for wrong in missing],
         }
         lines = [f"{s.start_s:5.1f} to {s.end_s:4.1f} s  {s.text}" for s in motions[0].segments]
-        for path, wrong in zip(paths, missing, strict=True):
-            lines += [f"wrote {path}", *(f"prompt mismatch: {mismatch.words}" for mismatch in wrong)]
+        for path, told, wrong in zip(paths, amounts, missing, strict=True):
+            lines += [f"wrote {path}", *told, *(f"prompt mismatch: {mismatch.words}" for mismatch in wrong)]
         self.report(found, *lines)
         return 0
+
+    def _made(
+        self, performer: "Performer", understood: "Sequence[Understood]"
+    ) -> "tuple[tuple[HumanMotion, ...], list[tuple[str, ...]]]":
+        """The motions, bent to the person's own metres, degrees and seconds, and what those come to for each."""
+        from generator.amounts import fit, followed_words, measured, plan, wanted_of
+        from generator.performer import FIRST_SAMPLES
+
+        prompts = (self.prompt, *self.then)
+        sentences = [(prompt, found.segments) for prompt, found in zip(prompts, understood, strict=True)]
+        wanted, lasting_s = wanted_of(understood[0].moments) if self.alone else (), None
+        if wanted:
+            ((prompt, segments),) = sentences
+            (sample,) = performer.generate(prompt, segments, seed=self.seed, settings=FIRST_SAMPLES)
+            planned = plan(segments, wanted, measured(sample, wanted))
+            sentences, lasting_s, wanted = [(prompt, planned.segments)], planned.seconds, planned.wanted
+        motions = self.motions(performer, sentences, seed=self.seed, candidates=self.candidates, lasting_s=lasting_s)
+        if not wanted:
+            return motions, [() for _ in motions]
+        bent = [fit(motion, wanted, lambda _: None, lambda motion, _: measured(motion, wanted)) for motion in motions]
+        return tuple(found.motion for found in bent), [followed_words(wanted, found.measured) for found in bent]

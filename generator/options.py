@@ -47,10 +47,24 @@ class MotionOptions(Command):
         if self.edit is not None and self.then:
             raise InvalidOption("--then", "cannot be combined with --edit")
 
+    @property
+    def alone(self) -> bool:
+        """Whether one sentence makes the whole motion, so that the amounts which it names can be planned."""
+        given = (self.then, self.edit, self.start, self.duration, self.durations)
+        return not any(option not in (None, ()) for option in given)
+
     def motions(
-        self, performer: "Performer", sentences: Sequence[Sentence], *, seed: int, candidates: int
+        self,
+        performer: "Performer",
+        sentences: Sequence[Sentence],
+        *,
+        seed: int,
+        candidates: int,
+        lasting_s: Sequence[float | None] | None = None,
     ) -> "tuple[HumanMotion, ...]":
         """The motions of the sentences, the first and those to append, as the options ask for them.
+
+        `lasting_s` are durations of single segments of one sentence, None where they are predicted.
 
         Raises:
             InvalidFile: a motion cannot be read.
@@ -83,5 +97,6 @@ class MotionOptions(Command):
             candidates=candidates,
             duration_s=self.duration,
             durations_s=self.durations,
+            lasting_s=lasting_s,
             start=start,
         )

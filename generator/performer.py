@@ -116,6 +116,7 @@ class Performer:
         candidates: int = 1,
         duration_s: float | None = None,
         durations_s: Sequence[float] | None = None,
+        lasting_s: Sequence[float | None] | None = None,
         start: HumanMotion | None = None,
         settings: PerformerSettings | None = None,
     ) -> tuple[HumanMotion, ...]:
@@ -131,6 +132,7 @@ class Performer:
             duration_s: total duration, for a model of 196 frames 2 to 9.8 s, with `start` to 8.8 s; shared among the
                 segments as predicted.
             durations_s: duration of each segment instead.
+            lasting_s: duration of some segments, None where it is predicted.
             start: a motion to go on from: the new one begins with the frame after its last one, without a jump.
 
         Raises:
@@ -151,6 +153,9 @@ class Performer:
             seconds = checked_durations(durations_s, len(segments), spec.least_s, most_s)
             return self._perform(prompt, segments, np.tile(seconds, (candidates, 1)), start, settings, noise)
         seconds = self.predicted(segments, candidates, settings.duration_spread, noise)
+        for i, given in enumerate(lasting_s or ()):
+            if given is not None:
+                seconds[:, i] = given
         if duration_s is not None:
             seconds = fitted(seconds, duration_s, spec.least_s, most_s)
             return self._perform(prompt, segments, seconds, start, settings, noise)

@@ -20,6 +20,7 @@ class Sample:
         missing: what the motion does not show of its segments' texts, a line each.
         distance: from the sentence, by the evaluator of text and motion; less is better.
         faithful: whether every action that was asked for is there, as far as the verifier can tell.
+        amounts: what the robot's distances, angles and durations come to, where the sentence names them, a line each.
     """
 
     motion: HumanMotion
@@ -27,6 +28,7 @@ class Sample:
     missing: tuple[str, ...]
     distance: float
     faithful: bool = True
+    amounts: tuple[str, ...] = ()
 
     @property
     def order(self) -> tuple[int, float]:
@@ -68,6 +70,7 @@ class Candidate:
             "failed": failed,
             "duration_s": self.motion.duration_s,
             "not_shown": list(self.sample.missing),
+            "amounts": list(self.sample.amounts),
             "violations": self.sample.violations,
             "distance_to_text": self.sample.distance,
             "mean_position_error_cm": sum(errors) / len(errors),

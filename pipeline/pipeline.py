@@ -12,8 +12,11 @@ from ros_free_stack.robots import RobotDescription
 from ros_free_stack.skeleton import FPS
 
 if TYPE_CHECKING:
+    from generator.amounts import Fitted, Plan, Wanted
     from generator.performer import Performer
     from generator.text.encoder import TextEncoder
+    from generator.text.understanding import Understood
+    from retarget.pipeline import RetargetResult
     from retarget.report import RetargetReport
     from sim.judge.verdict import Judgement
 
@@ -49,8 +52,8 @@ class Pipeline:
         self.generator = generator
         self._stages: dict[str, Any] = {}
 
-    def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
-        """The segment texts of a prompt in temporal order, and whether the model knows them all.
+    def understand(self, prompt: str, *, anyway: bool = False) -> "Understood":
+        """What a prompt asks for; what there is to say of it is said.
 
         Raises:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
@@ -66,7 +69,25 @@ class Pipeline:
         understood = understanding.read(prompt, anyway=anyway)
         for note in understood.notes:
             say(note)
+        return understood
+
+    def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
+        """The segment texts of a prompt in temporal order, and whether the model knows them all; see `understand`."""
+        understood = self.understand(prompt, anyway=anyway)
         return understood.segments, understood.known
+
+    def plan(self, prompt: str, segments: tuple[str, ...], wanted: "tuple[Wanted, ...]", *, seed: int) -> "Plan":
+        """How to generate a sentence that names amounts, by what the robot makes of a first sample of it.
+
+        Raises:
+            InvalidPrompt: an amount is more than one motion can hold.
+        """
+        from generator.amounts import plan
+        from generator.performer import FIRST_SAMPLES
+        from pipeline.amounts import robot_measured
+
+        (sample,) = self._generator.generate(prompt, segments, seed=seed, settings=FIRST_SAMPLES)
+        return plan(segments, wanted, robot_measured(sample, self._retargeted(sample), wanted))
 
     def generate(
         self, prompt: str, segments: tuple[str, ...], *, seed: int, candidates: int, make: "Make | None" = None
@@ -91,11 +112,40 @@ class Pipeline:
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
         """The robot's trajectory of a human motion, and how far from its targets it had to stay."""
+        result = self._retargeted(motion)
+        return result.trajectory, result.report
+
+    def fitted(
+        self, prompt: str, sample: Sample, wanted: "tuple[Wanted, ...]"
+    ) -> tuple[Sample, RobotTrajectory, "RetargetReport"]:
+        """A sample bent until the robot's metres, degrees and seconds are what was asked for, and its trajectory."""
+        from generator.amounts import followed_words
+
+        found = self.bent(sample.motion, wanted)
+        (read,) = self.compared(prompt, (found.motion,))
+        told = replace(read, amounts=followed_words(wanted, found.measured))
+        return told, found.outcome.trajectory, found.outcome.report
+
+    def bent(self, motion: HumanMotion, wanted: "tuple[Wanted, ...]") -> "Fitted[RetargetResult]":
+        """A motion bent to its amounts, with its trajectory and what that comes to."""
+        from generator.amounts import fit
+        from pipeline.amounts import robot_measured
+
+        stride = 1.0
+
+        def made(motion: HumanMotion) -> "RetargetResult":
+            # Steps that were bent shorter must not be given back by strides that are shortened less.
+            nonlocal stride
+            result = self._retargeted(motion, most_stride=stride)
+            stride = result.report.stride_scale
+            return result
+
+        return fit(motion, wanted, made, lambda motion, result: robot_measured(motion, result, wanted))
+
+    def _retargeted(self, motion: HumanMotion, *, most_stride: float = 1.0) -> "RetargetResult":
         from retarget.pipeline import Retargeter
 
-        retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
-        result = retargeter.retarget(motion)
-        return result.trajectory, result.report
+        return self._stage("retargeter", lambda: Retargeter(self.robot)).retarget(motion, most_stride=most_stride)
 
     def judge(self, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> "Judgement":
         """The verdict on a trajectory, with its playback by a controller; None takes the pipeline's own."""
@@ -128,7 +178,8 @@ class Pipeline:
             # A gentler motion may show less of its sentence: what is told must be of the motion that is kept.
             joints = resample(motion.joints, fps=motion.fps, to=FPS)
             (read,) = self.compared(motion.prompt, (replace(motion, joints=joints, fps=FPS),))
-            sample = replace(read, motion=motion)
+            told = ("amounts: not kept by what was changed",) if sample.amounts else ()
+            sample = replace(read, motion=motion, amounts=told)
         return Candidate(sample, found.trajectory, reports[found.trajectory.digest], found.judgement)
 
     def candidates(
@@ -142,12 +193,14 @@ class Pipeline:
         repair: bool = False,
         exhaustive: bool = False,
         make: "Make | None" = None,
+        wanted: "tuple[Wanted, ...]" = (),
     ) -> tuple[Candidate, ...]:
         """Generate, then retarget and judge what shows the sentence best, one after the other until one passes.
 
         One passes if it is feasible and shows every action that was asked for. The preferred candidate comes first,
         repaired where none is feasible. `exhaustive` goes on after one has passed: that one stays preferred, but
-        how many pass is then known. `make` makes the motions in another way than from the prompt alone.
+        how many pass is then known. `make` makes the motions in another way than from the prompt alone; `wanted` are
+        the amounts that their segments are to come to on the robot.
         """
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates, make=make)
@@ -155,9 +208,9 @@ class Pipeline:
         found: list[Candidate] = []
         for sample in progress(samples, "retarget and judge", total=len(samples)):
             with timings.measure("retarget"):
-                trajectory, report = self.retarget(sample.motion)
+                made = self.fitted(prompt, sample, wanted) if wanted else (sample, *self.retarget(sample.motion))
             with timings.measure("validate"):
-                found.append(Candidate(sample, trajectory, report, self.judge(trajectory)))
+                found.append(Candidate(*made, self.judge(made[1])))
             if found[-1].passed and not exhaustive:
                 break
         found.sort(key=lambda candidate: candidate.order)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -21,6 +21,10 @@ from ros_free_stack.errors import HardwareFault, InvalidOption, InvalidPrompt, S
 from ros_free_stack.files import read_lines
 from ros_free_stack.messages import ControllerName
 from ros_free_stack.robots import RobotDescription, load_robot
+
+if TYPE_CHECKING:
+    from generator.amounts import Wanted
+    from generator.text.understanding import Understood
 
 MAX_CANDIDATES = 64
 LONGEST_NAME = 40
@@ -148,8 +152,11 @@ class Run(MotionOptions):
 
         started, timings = perf_counter(), Timings()
         with timings.measure("text"):
-            understood = [(text, *pipeline.segments(text, anyway=self.anyway)) for text in (prompt, *self.then)]
-        sentences: list[Sentence] = [(text, segments) for text, segments, _ in understood]
+            understood = [pipeline.understand(text, anyway=self.anyway) for text in (prompt, *self.then)]
+            sentences: list[Sentence] = [
+                (text, found.segments) for text, found in zip((prompt, *self.then), understood, strict=True)
+            ]
+            sentences, lasting_s, wanted = self._amounts(pipeline, sentences, understood)
         whole = ", then ".join(text for text, _ in sentences)
         folder = RunFolder(make_folder(out))
         found = pipeline.candidates(
@@ -160,7 +167,10 @@ class Run(MotionOptions):
             timings=timings,
             repair=self.repair,
             exhaustive=self.exhaustive,
-            make=lambda performer: self.motions(performer, sentences, seed=self.seed, candidates=self.candidates),
+            make=lambda performer: self.motions(
+                performer, sentences, seed=self.seed, candidates=self.candidates, lasting_s=lasting_s
+            ),
+            wanted=wanted,
         )
         best, robot = found[0], pipeline.robot
         timings.seconds["to_verdict"] = perf_counter() - started
@@ -179,7 +189,7 @@ class Run(MotionOptions):
             "seed": self.seed,
             "outcome": word,
             "segments": [asdict(segment) for segment in best.motion.segments],
-            "in_domain": all(known for _, _, known in understood),
+            "in_domain": all(sentence.known for sentence in understood),
             "search": {"candidates": self.candidates, "judged": len(found), "exhaustive": self.exhaustive},
             "candidates": [candidate.as_dict() for candidate in found],
             "retarget": best.report.as_dict(),
@@ -195,6 +205,25 @@ class Run(MotionOptions):
             "files": files,
         }
         return Ran(result, tuple(closing_words(str(out), servo, dry_run=self.dry_run)), EXIT_CODES[word])
+
+    def _amounts(
+        self, pipeline: Pipeline, sentences: list[Sentence], understood: "Sequence[Understood]"
+    ) -> "tuple[list[Sentence], tuple[float | None, ...] | None, tuple[Wanted, ...]]":
+        """The sentences, durations of their segments and amounts, planned by what the robot makes of a first sample."""
+        from generator.amounts import wanted_of
+
+        wanted = wanted_of(understood[0].moments)
+        if self.mount == "fixed" or pipeline.robot.mounted(self.mount) == "fixed":
+            wanted = tuple(item for item in wanted if item.amount.kind == "duration")
+        if not wanted:
+            return sentences, None, ()
+        if not self.alone:
+            told = ", ".join(repr(item.amount.text) for item in wanted)
+            say(f"not followed with --then, --start, --edit, --duration or --durations: {told}")
+            return sentences, None, ()
+        ((prompt, segments),) = sentences
+        plan = pipeline.plan(prompt, segments, wanted, seed=self.seed)
+        return [(prompt, plan.segments)], plan.seconds, plan.wanted
 
     def _run_all(self, pipeline: Pipeline, prompts: Sequence[str]) -> int:
         """One folder a prompt; a line that fails is told, and the next one is tried. A servo fault ends it all."""

@@ -23,6 +23,7 @@ def verdict_words(best: Candidate, searched: str) -> Iterator[str]:
     verdict = best.judgement.verdict
     for segment in best.motion.segments:
         yield f"{segment.start_s:5.2f} to {segment.end_s:5.2f} s  {segment.text}"
+    yield from best.sample.amounts
     yield from (f"prompt mismatch: {line}" for line in best.sample.missing)
     yield from best.report.failures()
     yield searched

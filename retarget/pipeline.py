@@ -15,7 +15,7 @@ from retarget.plan.held import held_targets, own_pace
 from retarget.plan.pace import walking_pace
 from retarget.plan.stride import leg_speed, stride_share
 from retarget.plan.targets import Targets, make_targets
-from retarget.plan.timeline import plan_timeline
+from retarget.plan.timeline import Timeline, plan_timeline
 from retarget.report import RetargetReport, make_report
 from retarget.solve.frame_solver import FrameSolver
 from retarget.solve.solution import Solution
@@ -33,10 +33,14 @@ Unsolved = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class RetargetResult:
-    """A trajectory, and how far from its targets it had to stay."""
+    """A trajectory, and how far from its targets it had to stay.
+
+    `human_s` (N,) is the moment of the human motion that each frame of the trajectory follows, s.
+    """
 
     trajectory: RobotTrajectory
     report: RetargetReport
+    human_s: Floats
 
 
 class Retargeter:
@@ -60,14 +64,16 @@ class Retargeter:
         self._clip = ClipSolver(self._geometry) if solver == "clip" else None
         self.preparation_s = perf_counter() - started
 
-    def retarget(self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True) -> RetargetResult:
-        """See `retarget`."""
+    def retarget(
+        self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True, most_stride: float = 1.0
+    ) -> RetargetResult:
+        """See `retarget`; strides are no longer than `most_stride` of the human's at the robot's size."""
         if not (np.isfinite(fps) and fps > 0):
             raise InvalidOption("fps", f"expected a positive number, found {fps}")
         times = {"prepare": self.preparation_s}
         started = perf_counter()
         clip = align(motion)
-        targets, stride, slowdown = self._targets(clip, fps)
+        timeline, targets, stride, slowdown = self._targets(clip, fps, most_stride)
         times["targets"] = perf_counter() - started
         started = perf_counter()
         planned = targets.soles
@@ -92,21 +98,24 @@ class Retargeter:
                 slowdown=slowdown,
                 timings_s=times,
             ),
+            human_s=timeline.human_s,
         )
 
-    def _targets(self, clip: HumanClip, fps: float) -> tuple[Targets, float, float]:
-        """Targets, and by how much strides were shortened and the motion slowed down for them."""
+    def _targets(self, clip: HumanClip, fps: float, most_stride: float) -> tuple[Timeline, Targets, float, float]:
+        """Timeline and targets, and by how much strides were shortened and the motion slowed down for them."""
         geometry = self._geometry
         if geometry.held:
-            return held_targets(clip, geometry, plan_timeline(own_pace(clip), fps)), 1.0, 1.0
-        stride = stride_share(clip, geometry)
+            timeline = plan_timeline(own_pace(clip), fps)
+            return timeline, held_targets(clip, geometry, timeline), 1.0, 1.0
+        stride = min(stride_share(clip, geometry), most_stride)
         pace = walking_pace(
             clip,
             geometry.hip_height,
             leg_speed=leg_speed(geometry),
             scale=stride * geometry.hip_height / clip.leg_length,
         )
-        return make_targets(clip, geometry, plan_timeline(pace, fps), stride), stride, pace.slowdown
+        timeline = plan_timeline(pace, fps)
+        return timeline, make_targets(clip, geometry, timeline, stride), stride, pace.slowdown
 
     def _solve(self, targets: Targets) -> tuple[Targets, Solution, Unsolved]:
         """Targets with the footholds that were reached, a solution, and the frames that could not be improved."""

@@ -7,22 +7,24 @@ Before that the slip that both feet agree on is taken out of the root's path, wh
 the legs then only have to make up for a rest.
 """
 
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
-from scipy.ndimage import binary_closing, binary_opening, gaussian_filter1d, maximum_filter1d
+from scipy.ndimage import binary_closing, binary_opening
 
-from ros_free_stack.skeleton import INDEX
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-
-SIDES: Final = ("left", "right")
-HIPS, KNEES, ANKLES, BALLS = ([INDEX[f"{side}_{name}"] for side in SIDES] for name in ("hip", "knee", "ankle", "foot"))
+from generator.postprocess.legs import (
+    ANKLES,
+    BALLS,
+    Bools,
+    Floats,
+    Leg,
+    missing_reach,
+    smoothstep,
+    solve_leg,
+    spans,
+    unit,
+)
 
 LOW_M: Final = (0.015, 0.03)
 """A ball of the foot below the first height above its rest lands, above the second it has left the floor."""
@@ -46,8 +48,6 @@ SMOOTHNESS: Final = 2.0
 """Weight of the change from frame to frame of the root's correction, against 1 for a standing foot's slip."""
 TRUST: Final = (0.02, 0.2)
 """Weight of the root's own path where a foot stands and where none does."""
-REACH: Final = 0.998
-"""Share of a leg's length that it may stretch to."""
 
 
 def lock_feet(joints: Floats, contacts: Floats, rest: float | None = None) -> Floats:
@@ -71,11 +71,11 @@ def lock_feet(joints: Floats, contacts: Floats, rest: float | None = None) -> Fl
     roughly = balls + _root_correction(balls, planted, rest)[:, None]
     planted = _without_edges(planted, roughly, rest)
     moved = joints + _root_correction(balls, planted, rest)[:, None]
-    legs = [_Leg.measure(moved, planted, side) for side in range(2)]
+    legs = [Leg.measure(moved, planted, side) for side in range(2)]
     feet = [_foot_path(moved, planted[:, side], rest, side, legs[side]) for side in range(2)]
-    moved[..., 2] -= _missing_reach(moved, planted, feet, legs)[:, None]
+    moved[..., 2] -= missing_reach(moved, planted, feet, legs)[:, None]
     for side, (leg, (ankle, ball)) in enumerate(zip(legs, feet, strict=True)):
-        moved = _solve_leg(moved, side, leg, ankle, ball)
+        moved = solve_leg(moved, side, leg, ankle, ball)
     return moved
 
 
@@ -114,11 +114,6 @@ def _cleaned(stance: Bools) -> Bools:
     return np.asarray(binary_opening(closed, np.ones(SHORTEST, dtype=bool)), dtype=bool)[SHORTEST:-SHORTEST]
 
 
-def _spans(stance: Bools) -> list[slice]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stance, [False]]).astype(int)))
-    return [slice(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
-
-
 def _without_edges(planted: Bools, balls: Floats, rest: float) -> Bools:
     """Stances without the frames of touch-down and take-off in which the foot is on its way."""
     height, travel, most = EDGE
@@ -126,7 +121,7 @@ def _without_edges(planted: Bools, balls: Floats, rest: float) -> Bools:
     steps = np.linalg.norm(np.diff(balls[..., :2], axis=0), axis=-1)
     low = balls[..., 2] - rest < height
     for side in range(2):
-        for span in _spans(planted[:, side]):
+        for span in spans(planted[:, side]):
             inner = low[span, side]
             after = inner & np.append(steps[span, side][: len(inner) - 1] < travel, False)
             before = inner & np.concatenate([[False], steps[span, side][: len(inner) - 1] < travel])
@@ -161,7 +156,7 @@ def _stance_weight(planted: Bools) -> Floats:
     """(T, 2) 1 in the middle of a stance, less at its first and last frames, 0 elsewhere."""
     weight = np.zeros(planted.shape)
     for side in range(2):
-        for span in _spans(planted[:, side]):
+        for span in spans(planted[:, side]):
             place = np.arange(span.stop - span.start)
             from_start = place + 1 if span.start else np.full(len(place), FADE)
             to_end = place[::-1] + 1 if span.stop < len(planted) else np.full(len(place), FADE)
@@ -181,42 +176,25 @@ def _smoothest(pull: Floats, weight: Floats, order: int) -> Floats:
     return np.asarray(solveh_banded(bands, pull))
 
 
-@dataclass(frozen=True)
-class _Leg:
-    """Measures of one leg in m: its bones, and how far the ankle of a flat foot lies above the ball."""
-
-    thigh: float
-    shank: float
-    foot: float
-    drop: float
-
-    @classmethod
-    def measure(cls, joints: Floats, planted: Bools, side: int) -> "_Leg":
-        chain = [joints[:, joint[side]] for joint in (HIPS, KNEES, ANKLES, BALLS)]
-        thigh, shank, foot = (float(np.median(np.linalg.norm(b - a, axis=1))) for a, b in pairwise(chain))
-        drops = (joints[:, ANKLES, 2] - joints[:, BALLS, 2])[planted]
-        return cls(thigh, shank, foot, min(float(np.percentile(drops, 30)), 0.9 * foot))
-
-
-def _foot_path(joints: Floats, stance: Bools, rest: float, side: int, leg: _Leg) -> tuple[Floats, Floats]:
+def _foot_path(joints: Floats, stance: Bools, rest: float, side: int, leg: Leg) -> tuple[Floats, Floats]:
     """Ankle and ball (T, 3) of a foot that stands still, and flat where it nearly does, in each of its stances."""
     own = np.concatenate([joints[:, ANKLES[side]], joints[:, BALLS[side]]], axis=1)
     sole = own[:, :3] - own[:, 3:]
-    course = _unit(sole[:, :2])
+    course = unit(sole[:, :2])
     level, aimed = (
-        1 - _smoothstep((sole[:, 2:] - leg.drop - start) / (stop - start)) for start, stop in (LEVEL_M, AIM_M)
+        1 - smoothstep((sole[:, 2:] - leg.drop - start) / (stop - start)) for start, stop in (LEVEL_M, AIM_M)
     )
     change = np.zeros_like(own)
-    spans = _spans(stance)
-    for span in spans:
+    stances = spans(stance)
+    for span in stances:
         ball = np.append(own[span, 3:5].mean(axis=0), rest)
         height = sole[span, 2:] + level[span] * (leg.drop - sole[span, 2:])
-        mean = _unit((course[span] * (aimed[span] + 1e-3)).sum(axis=0))
-        direction = _unit(course[span] + aimed[span] * (mean - course[span]))
+        mean = unit((course[span] * (aimed[span] + 1e-3)).sum(axis=0))
+        direction = unit(course[span] + aimed[span] * (mean - course[span]))
         height = np.clip(height, -0.99 * leg.foot, 0.99 * leg.foot)
         ankle = ball + np.concatenate([direction * np.sqrt(leg.foot**2 - height**2), height], axis=1)
         change[span] = np.concatenate([ankle, np.broadcast_to(ball, ankle.shape)], axis=1) - own[span]
-    _fade(change, spans)
+    _fade(change, stances)
     path = own + change
     path[:, 5] = np.maximum(path[:, 5], rest)
     up = path[:, :3] - path[:, 3:]
@@ -224,10 +202,10 @@ def _foot_path(joints: Floats, stance: Bools, rest: float, side: int, leg: _Leg)
     return path[:, 3:] + up, path[:, 3:]
 
 
-def _fade(change: Floats, spans: list[slice]) -> None:
+def _fade(change: Floats, stances: list[slice]) -> None:
     """Let the change at the edges of the spans fade out over the frames between them, in place."""
-    edges = [(0, None), *((span.start, span) for span in spans), (len(change), None)]
-    stops = [0, *(span.stop for span in spans)]
+    edges = [(0, None), *((span.start, span) for span in stances), (len(change), None)]
+    stops = [0, *(span.stop for span in stances)]
     for stop, (start, _) in zip(stops, edges[1:], strict=True):
         gap = start - stop
         if gap <= 0:
@@ -235,51 +213,6 @@ def _fade(change: Floats, spans: list[slice]) -> None:
         steps = np.arange(1, gap + 1)
         reach = min(FADE, gap) + 1
         if stop > 0:
-            change[stop:start] += change[stop - 1] * (1 - _smoothstep(steps / reach))[:, None]
+            change[stop:start] += change[stop - 1] * (1 - smoothstep(steps / reach))[:, None]
         if start < len(change):
-            change[stop:start] += change[start] * (1 - _smoothstep(steps[::-1] / reach))[:, None]
-
-
-def _missing_reach(joints: Floats, planted: Bools, feet: list[tuple[Floats, Floats]], legs: list[_Leg]) -> Floats:
-    """(T,) by how much the body has to be lower so that its legs reach their standing feet, m, smooth."""
-    missing = np.zeros(len(joints))
-    for side, (leg, (ankle, _)) in enumerate(zip(legs, feet, strict=True)):
-        hip, own = joints[:, HIPS[side]], joints[:, ANKLES[side]]
-        reach = np.maximum(REACH * (leg.thigh + leg.shank), np.linalg.norm(own - hip, axis=1))
-        down = np.sqrt(np.maximum(reach**2 - ((ankle - hip)[:, :2] ** 2).sum(1), 0))
-        missing = np.maximum(missing, np.where(planted[:, side], hip[:, 2] - ankle[:, 2] - down, 0))
-    return np.asarray(gaussian_filter1d(maximum_filter1d(missing, 5), 1.0))
-
-
-def _solve_leg(joints: Floats, side: int, leg: _Leg, ankle: Floats, ball: Floats) -> Floats:
-    """Joints with one leg's ankle and ball at the wanted places, the knee bent where it was."""
-    out = joints.copy()
-    hip, knee, own = (joints[:, joint[side]] for joint in (HIPS, KNEES, ANKLES))
-    across = joints[:, HIPS[0]] - joints[:, HIPS[1]]
-    ahead = _unit(np.stack([across[:, 1], -across[:, 0], np.zeros(len(across))], axis=1))
-    pole = _across(knee - hip, own - hip) + 0.01 * ahead  # a straight leg does not tell where its knee bends to
-    line = ankle - hip
-    far = np.linalg.norm(line, axis=1, keepdims=True)
-    length = np.clip(far, abs(leg.thigh - leg.shank) + 0.02, 0.9999 * (leg.thigh + leg.shank))
-    axis = line / np.maximum(far, 1e-9)
-    along = (leg.thigh**2 - leg.shank**2 + length**2) / (2 * length)
-    bend = np.sqrt(np.maximum(leg.thigh**2 - along**2, 0))
-    out[:, KNEES[side]] = hip + along * axis + bend * _unit(_across(pole, axis))
-    out[:, ANKLES[side]] = hip + length * axis
-    out[:, BALLS[side]] = ball + out[:, ANKLES[side]] - ankle
-    return out
-
-
-def _across(vectors: Floats, line: Floats) -> Floats:
-    """The part of (T, 3) vectors at right angles to lines (T, 3)."""
-    axis = _unit(line)
-    return vectors - (vectors * axis).sum(axis=1, keepdims=True) * axis
-
-
-def _unit(vectors: Floats) -> Floats:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
-
-
-def _smoothstep(share: Floats) -> Floats:
-    share = np.clip(share, 0, 1)
-    return share * share * (3 - 2 * share)
+            change[stop:start] += change[start] * (1 - smoothstep(steps[::-1] / reach))[:, None]

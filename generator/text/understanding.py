@@ -1,6 +1,6 @@
 """A raw prompt to what it asks for: check, split, read each segment as a frame, word it as the corpus does."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 from generator.text.canonical import phrase, segment_texts, sentence
 from generator.text.domain import ALIKE, Domain
 from generator.text.encoder import TextEncoder
-from generator.text.frame import ActionFrame, Amount, Moment, Unknown
+from generator.text.frame import ActionFrame, Moment, Unknown
 from generator.text.frame_parser import moments
 from generator.text.llm import DEFAULT_MODEL, LanguageModel
 from generator.text.prompt import check_prompt
@@ -18,10 +18,6 @@ from generator.text.splitter import PERSON, Splitter
 from ros_free_stack.errors import OutOfDomain
 
 DOMAIN = "domain.safetensors"
-
-
-TURNS = (90.0, 180.0, 360.0)
-"""Angles that the motion model's texts name, in degrees."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +87,6 @@ class Understanding:
             *reading.notes,
             f"understood: {sentence(texts).removeprefix(f'{PERSON} ')}",
             *(f"not shown: {text!r}" for text in lost),
-            *(f"not followed: {located(amount.text, prompt)[0]!r}" for amount in _not_followed(found)),
         )
         return Understood(texts, not unknown, notes, tuple(found), lost)
 
@@ -130,11 +125,3 @@ class Understanding:
     @cached_property
     def _domain(self) -> Domain:
         return Domain.load(self._folder / DOMAIN, self._encoder())
-
-
-def _not_followed(moments: Sequence[Moment]) -> Iterator[Amount]:
-    """Amounts that the motion model is not told: its texts name neither lengths nor times."""
-    for frame in (action for moment in moments for action in moment.actions):
-        for kind, amount in frame.amounts.items():
-            if kind in ("distance", "duration") or (kind == "angle" and amount.value not in TURNS):
-                yield amount

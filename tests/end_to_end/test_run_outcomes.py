@@ -107,3 +107,12 @@ def test_run_takes_what_generate_takes(tmp_path: Path, capsys):
     texts = [segment.text for segment in load_motion(second / "human_motion.npz").segments]
     assert texts == ["a person bows", "a person waves with the left hand"]
     capsys.readouterr()
+
+
+def test_an_amount_is_followed_in_the_robots_own_seconds_and_told(tmp_path: Path, capsys):
+    code = launch.main(["run", "a person waves for 4 seconds", *QUICK, "--out", str(tmp_path)])
+    captured = capsys.readouterr()
+    (line,) = json.loads(captured.out)["candidates"][0]["amounts"]
+    told, asked = line.split(", asked for ")
+    assert code == 0 and asked == "4 s" and line in captured.err
+    assert float(told.removeprefix("duration: ").removesuffix(" s")) == pytest.approx(4.0, abs=0.2)
