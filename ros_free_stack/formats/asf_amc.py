@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.text import read_text
 
 Floats = NDArray[np.float64]
 
@@ -76,7 +77,7 @@ def read_amc(path: Path, skeleton: AsfSkeleton) -> dict[str, Floats]:
     Raises:
         InvalidFile: the file is missing, truncated or malformed, or belongs to another skeleton.
     """
-    text = _text(path)
+    text = read_text(path)
     start = re.search(r"^[ \t]*\d+\s*$", text, re.MULTILINE)
     if start is None:
         raise InvalidFile(path, "no frames (truncated?)")
@@ -132,13 +133,6 @@ def positions(skeleton: AsfSkeleton, motion: dict[str, Floats]) -> Floats:
 Lines = list[tuple[int, list[str]]]
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="latin-1")
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-
-
 def _number(path: Path, line: int, word: str) -> float:
     if not _finite([word]):
         raise InvalidFile(path, f"line {line}: expected a number, found {word!r}")
@@ -152,7 +146,7 @@ def _euler(degrees: Sequence[float]) -> Rotation:
 def _sections(path: Path) -> dict[str, Lines]:
     sections: dict[str, Lines] = {}
     lines: Lines = []
-    for number, line in enumerate(_text(path).splitlines(), start=1):
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
         words = line.split("#")[0].split()
         if words and words[0].startswith(":"):
             lines = sections.setdefault(words[0][1:].lower(), [])

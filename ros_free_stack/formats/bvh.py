@@ -1,22 +1,23 @@
-"""Biovision hierarchies (BVH).
+"""Biovision hierarchies (BVH): what such a file says, where its joints are, and writing one.
 
 Rotations apply from left to right in the order of the channels; position channels stand in place of the offset, as
 the programs that write such files (MotionBuilder, Blender) mean them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
-from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import write_text
 
 Floats = NDArray[np.float64]
 
-_CHANNELS = {f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+PULLED_OUT: Final = 0.3
+"""Position channels that are shorter than this share of a joint's offset are no places but changes of them."""
 
 
 @dataclass(frozen=True)
@@ -31,44 +32,19 @@ class Joint:
 
 @dataclass(frozen=True)
 class Bvh:
-    """A BVH file: joints, parents first, and (T, channels) values in the file's unit and in degrees."""
+    """A BVH file: joints, parents first, and (T, channels) values in the file's unit and in degrees.
+
+    The rate is 0 where the file states none that is positive; `notes` say in words what its reader had to decide.
+    """
 
     joints: tuple[Joint, ...]
     values: Floats
     fps: float
+    notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
-
-
-def read_bvh(path: Path) -> Bvh:
-    """Read a file.
-
-    Raises:
-        InvalidFile: the file is missing, truncated or malformed; the message names the line.
-    """
-    try:
-        lines = path.read_text(encoding="latin-1").splitlines()
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-    motion = next((i for i, line in enumerate(lines) if line.strip() == "MOTION"), None)
-    if motion is None:
-        raise InvalidFile(path, "no line 'MOTION' (truncated?)")
-    joints = _hierarchy(path, lines[:motion])
-    count = round(_header(path, lines, motion + 1, "Frames:"))
-    frame_time = _header(path, lines, motion + 2, "Frame Time:")
-    if count < 1 or frame_time <= 0:
-        raise InvalidFile(path, f"line {motion + 2}: {count} frames of {frame_time} s")
-    width = sum(len(joint.channels) for joint in joints)
-    first = motion + 3
-    try:
-        values = np.array(" ".join(lines[first:]).split(), dtype=np.float64).reshape(count, width)
-    except ValueError:
-        raise _fault(path, lines, first, count, width) from None
-    if not np.isfinite(values).all():
-        raise _fault(path, lines, first, count, width)
-    return Bvh(tuple(joints), values, 1 / frame_time)
 
 
 def positions(bvh: Bvh) -> Floats:
@@ -98,6 +74,30 @@ def positions(bvh: Bvh) -> Floats:
     return points
 
 
+def with_offsets(bvh: Bvh) -> Bvh:
+    """The file with its position channels in place of the offsets, also where they were meant to be added to these.
+
+    Some programs give every joint position channels and leave them at zero, or write only how far a joint is pulled
+    out of its place. Channels in place of the offsets are about as long as these.
+    """
+    values, shares, columns, column = np.array(bvh.values), list[float](), list[tuple[int, float]](), 0
+    for joint in bvh.joints:
+        places = [column + k for k, name in enumerate(joint.channels) if name.endswith("position")]
+        axes = ["XYZ".index(name[0]) for name in joint.channels if name.endswith("position")]
+        column += len(joint.channels)
+        length = float(np.linalg.norm(joint.offset))
+        if joint.parent < 0 or len(places) < 3 or length == 0:
+            continue
+        shares.append(float(np.median(np.linalg.norm(values[:, places], axis=1))) / length)
+        columns += zip(places, joint.offset[axes], strict=True)
+    if not shares or np.median(shares) > PULLED_OUT:
+        return bvh
+    for place, offset in columns:
+        values[:, place] += offset
+    how = "are zero: its offset stands" if max(shares) == 0 else "are far shorter than its offset: they are added to it"
+    return replace(bvh, values=values, notes=(*bvh.notes, f"the position channels of each joint {how}"))
+
+
 def write_bvh(path: Path, bvh: Bvh) -> None:
     """Write a file, whole or not at all; the joints must be in depth-first order."""
     lines = ["HIERARCHY"]
@@ -119,72 +119,3 @@ def write_bvh(path: Path, bvh: Bvh) -> None:
 
 def _numbers(values: Floats) -> str:
     return " ".join(f"{value:.6f}" for value in values)
-
-
-def _header(path: Path, lines: list[str], i: int, key: str) -> float:
-    line = lines[i].strip() if i < len(lines) else ""
-    try:
-        value = float(line.removeprefix(key)) if line.startswith(key) else np.nan
-        if not np.isfinite(value):
-            raise ValueError
-    except ValueError:
-        raise InvalidFile(path, f"line {i + 1}: expected '{key} NUMBER', found {line[:60]!r}") from None
-    return value
-
-
-def _hierarchy(path: Path, lines: list[str]) -> list[Joint]:
-    joints: list[Joint] = []
-    stack: list[int] = []
-    names: list[str] = []
-    for number, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words or words[0] in ("HIERARCHY", "{"):
-            continue
-        if words[0] in ("ROOT", "JOINT") and len(words) > 1:
-            names.append(words[1])
-        elif words[0] == "End" and stack:
-            names.append(f"{joints[stack[-1]].name}_end")
-        elif words[0] == "OFFSET" and names and len(words) == 4:
-            offset = np.array([_number(path, number, word) for word in words[1:]])
-            joints.append(Joint(names.pop(), stack[-1] if stack else -1, offset, ()))
-            stack.append(len(joints) - 1)
-        elif words[0] == "CHANNELS" and stack and _are_channels(words[1:]):
-            last = joints[stack[-1]]
-            joints[stack[-1]] = Joint(last.name, last.parent, last.offset, tuple(words[2:]))
-        elif words[0] == "}" and stack:
-            stack.pop()
-        else:
-            raise InvalidFile(path, f"line {number}: unexpected {line.strip()[:60]!r}")
-    if stack or not joints:
-        raise InvalidFile(path, f"line {len(lines)}: the hierarchy is not closed (truncated?)")
-    return joints
-
-
-def _are_channels(words: list[str]) -> bool:
-    """Whether these are a count and as many channels, none of them twice."""
-    return bool(words) and words[0] == str(len(set(words[1:]) & _CHANNELS)) == str(len(words) - 1)
-
-
-def _number(path: Path, line: int, word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InvalidFile(path, f"line {line}: expected a finite number, found {word!r}")
-    return value
-
-
-def _fault(path: Path, lines: list[str], first: int, count: int, width: int) -> InvalidFile:
-    """The error that names the first frame that is not `width` finite numbers."""
-    rows = 0
-    for number, line in enumerate(lines[first:], start=first + 1):
-        words = line.split()
-        if not words:
-            continue
-        rows += 1
-        if len(words) != width:
-            return InvalidFile(path, f"line {number}: expected {width} numbers, found {len(words)}")
-        for word in words:
-            _number(path, number, word)
-    return InvalidFile(path, f"line {len(lines)}: expected {count} frames, found {rows}")

@@ -20,7 +20,8 @@ from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTyp
 from ros_free_stack.coherence import leg_length
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.formats.asf_amc import INCH
-from ros_free_stack.formats.bvh import Bvh, Joint, positions, read_bvh, write_bvh
+from ros_free_stack.formats.bvh import Bvh, Joint, positions, with_offsets, write_bvh
+from ros_free_stack.formats.bvh_reader import read_bvh
 from ros_free_stack.formats.families import Family, bare, find_family
 from ros_free_stack.formats.frames import LEG_M, from_y_up, stand, to_y_up
 from ros_free_stack.formats.mapping import nearest_family, read_mapping, unknown_skeleton
@@ -54,9 +55,10 @@ def read(path: Path, options: SourceOptions) -> Source:
         InvalidOption: unit or up axis cannot be told from the motion.
         UnknownName: the mapping names a joint that is not there.
     """
-    data = read_bvh(path)
+    data = with_offsets(read_bvh(path))
     names = bare(data.names)
     family, notes = known_skeleton(path, names, options.mapping)
+    notes = data.notes + notes
     if len(data.values) <= family.lead:
         raise InvalidFile(path, f"holds {len(data.values)} frames, the first {family.lead} of which are not captured")
     if family.lead:

@@ -18,6 +18,7 @@ import yaml
 
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.formats.families import FAMILIES, Family
+from ros_free_stack.formats.text import read_text
 from ros_free_stack.skeleton import JOINT_NAMES
 
 _TRUNK: Final = {"pelvis": 0.0, "spine1": 0.22, "spine2": 0.48, "spine3": 0.60, "neck": 1.0}
@@ -52,10 +53,8 @@ def read_mapping(path: Path, names: Sequence[str]) -> tuple[Family, tuple[str, .
         UnknownName: it names a joint that is not one of the 22, or one that the motion file lacks.
     """
     try:
-        data: object = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        data: object = yaml.safe_load(read_text(path))
+    except yaml.YAMLError as error:
         raise InvalidFile(path, f"not a YAML mapping ({' '.join(str(error).split())})") from None
     if not isinstance(data, dict):
         raise InvalidFile(path, "expected lines such as 'pelvis: Hips', one for each joint")

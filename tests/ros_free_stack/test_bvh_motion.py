@@ -29,7 +29,7 @@ def write_rig(path: Path, names: list[str], points: Floats, *, fps: float = 20.0
     for i, name in enumerate(names[1:], start=1):
         if name.endswith("_end"):
             continue
-        joints.append(Joint(prefix + name, 0, np.ones(3), (*MOVES, *TURNS)))
+        joints.append(Joint(prefix + name, 0, points[0, i] - points[0, 0], (*MOVES, *TURNS)))
         columns += [points[:, i] - points[:, 0], np.zeros((len(points), 3))]
         if f"{name}_end" in names:
             offset = points[0, names.index(f"{name}_end")] - points[0, i]
