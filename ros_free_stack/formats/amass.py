@@ -11,10 +11,10 @@ from typing import Final
 
 import numpy as np
 
-from ros_free_stack.errors import InvalidFile, InvalidOption
-from ros_free_stack.formats.frames import stand
+from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.person import Habits, person_source
 from ros_free_stack.formats.smpl import posed_joints, rest_joints
-from ros_free_stack.formats.source import Source, SourceOptions, check_finite, human_source
+from ros_free_stack.formats.source import Source, SourceOptions, check_finite
 from ros_free_stack.messages import Floats
 from ros_free_stack.skeleton import JOINT_COUNT
 
@@ -38,12 +38,11 @@ def read(path: Path, options: SourceOptions) -> Source:
     check_finite(path, "poses", poses)
     check_finite(path, "trans", trans)
     rate = data.get("mocap_framerate", data.get("mocap_frame_rate", np.empty(0))).ravel()
-    fps = options.source_fps or (float(rate[0]) if len(rate) == 1 else 0.0)
-    if not fps > 0:
-        raise InvalidOption("--source-fps", f"name the frame rate of {path}: it has no mocap_framerate")
+    fps = float(rate[0]) if len(rate) == 1 else None
     rest = rest_joints(path, options.skeleton, data.get("betas", np.empty(0)).ravel())
     rotations = poses[:, : 3 * JOINT_COUNT].reshape(-1, JOINT_COUNT, 3)
-    return human_source(path, stand(posed_joints(rest, rotations, trans)), fps)
+    habits = Habits(title="AMASS", up="z", units="m")
+    return person_source(path, posed_joints(rest, rotations, trans), options, habits, fps=fps)
 
 
 def _joined(path: Path, data: dict[str, Floats]) -> Floats:

@@ -23,15 +23,21 @@ class ReadsMotion(Command):
     source_fps: float | None = None
     """Frames a second of the file, where it does not say or says wrong."""
     units: Units | None = None
-    """Unit of lengths in a BVH file; without it, the one that gives the legs a person's length."""
+    """Unit of lengths; without it, the one that gives the person a person's size."""
+    height: float | None = None
+    """Height of the person in m, where lengths are in no known unit."""
     up: UpAxis | None = None
-    """Up axis of a BVH file; without it, the one that the person stands along."""
+    """Up axis of human motion; without it, the one that the person stands along."""
     mapping: Path | None = None
     """YAML file that maps the joints of an unknown skeleton; the error about one shows how to write it."""
     skeleton: Path | None = None
     """Skeleton of a motion without one: SMPL model .npz or rest joints .json (AMASS, PHC), .asf (AMC)."""
     clip: str | None = None
     """Which clip of a file that holds several."""
+    start: float | None = None
+    """Take the motion from this time on, in s from the file's first frame."""
+    end: float | None = None
+    """Take the motion up to this time."""
 
     def source_options(self, **others: str | None) -> SourceOptions:
         """The options for the readers; `others` are those that not every command has."""

@@ -17,7 +17,6 @@ class Family:
         name: for people.
         weights: where HumanML3D's 22 joints lie between the skeleton's own.
         marks: further joints that only this skeleton has.
-        lead: frames at the start of its files that were not captured (a T-pose and a way from it).
         up: the up axis of its files as published; None where programs write them either way.
         placed: whether its files stand on the floor, at the origin and facing forward already.
     """
@@ -25,7 +24,6 @@ class Family:
     name: str
     weights: Weights
     marks: tuple[str, ...] = ()
-    lead: int = 0
     up: UpAxis | None = None
     placed: bool = False
 
@@ -50,9 +48,6 @@ _MOTIONBUILDER_TRUNK: Final = {
     "neck": "Neck",
     "head": "Head",
 }
-
-CMU_LEAD: Final = 7
-"""Frames at the start of CMU's BVH files that were not captured: a T-pose, and a smoothed way from it."""
 
 FAMILIES: Final = (
     Family("this project's own skeleton", weights(**{name: name for name in JOINT_NAMES}), up="y", placed=True),
@@ -120,11 +115,10 @@ FAMILIES: Final = (
             wrist={"{side}ForeArm": -0.3, "{side}Hand": 1.3},
         ),
         marks=("LowerBack", "LHipJoint"),
-        lead=CMU_LEAD,
         up="y",
     ),
-    Family("CMU, for DAZ", DAZ, lead=CMU_LEAD, up="y"),
-    Family("CMU, subject 131", SUBJECT_131, marks=("LHipJoint",), lead=CMU_LEAD, up="y"),
+    Family("CMU, for DAZ", DAZ, up="y"),
+    Family("CMU, subject 131", SUBJECT_131, marks=("LHipJoint",), up="y"),
     Family("CMU, ASF/AMC", ASF),
 )
 """Every known skeleton; the first that fits counts."""

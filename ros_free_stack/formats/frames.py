@@ -12,9 +12,6 @@ Floats = NDArray[np.float64]
 FLOOR_PERCENTILE = 2.0
 """The lowest joint touches the floor in at least this share of the frames: a few bad frames do not count."""
 
-LEG_M = (0.55, 1.15)
-"""Shortest and longest leg (thigh and shin) of grown people, m: tells a file's unit, or that it is no motion."""
-
 _LEFT = (INDEX["left_hip"], INDEX["left_shoulder"])
 _RIGHT = (INDEX["right_hip"], INDEX["right_shoulder"])
 

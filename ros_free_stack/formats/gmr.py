@@ -35,7 +35,7 @@ def read(path: Path, options: SourceOptions) -> Source:
     return robot_source(
         path,
         options,
-        fps=options.source_fps or rate(path, entry),
+        fps=rate(path, entry),
         root_pos=root_pos,
         root_quat=root_quat,
         order="xyzw",
@@ -67,8 +67,8 @@ def array(path: Path, entry: dict[str, Any], key: str) -> Floats:
 
 
 def rate(path: Path, entry: dict[str, Any]) -> float:
-    """The frame rate of an entry, or InvalidFile."""
+    """The frame rate that an entry states, or InvalidFile."""
     values = array(path, entry, "fps").ravel()
-    if len(values) != 1 or not (np.isfinite(values[0]) and values[0] > 0):
-        raise InvalidFile(path, f"fps is {entry['fps']!r}, expected a positive number")
+    if len(values) != 1:
+        raise InvalidFile(path, f"fps is {entry['fps']!r}, expected a number")
     return float(values[0])

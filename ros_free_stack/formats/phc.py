@@ -10,12 +10,12 @@ from typing import Any, cast
 import numpy as np
 
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
-from ros_free_stack.formats.frames import stand
 from ros_free_stack.formats.gmr import array, rate
+from ros_free_stack.formats.person import Habits, person_source
 from ros_free_stack.formats.robot_source import robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
 from ros_free_stack.formats.smpl import posed_joints, rest_joints
-from ros_free_stack.formats.source import Source, SourceOptions, check_finite, human_source
+from ros_free_stack.formats.source import Source, SourceOptions, check_finite
 from ros_free_stack.skeleton import JOINT_COUNT
 
 
@@ -29,9 +29,7 @@ def read(path: Path, options: SourceOptions) -> Source:
         UnknownName: there is no clip of that name.
     """
     entry = _clip(path, read_pickle(path), options.clip)
-    fps = options.source_fps or (rate(path, entry) if "fps" in entry else 0.0)
-    if not fps:
-        raise InvalidOption("--source-fps", f"name the frame rate of {path}: the clip has no fps")
+    fps = rate(path, entry) if "fps" in entry else None
     if "dof" in entry:
         return _robot(path, entry, fps, options)
     return _human(path, entry, fps, options)
@@ -58,7 +56,7 @@ def _clip(path: Path, data: object, name: str | None) -> dict[str, Any]:
     return clips[name]
 
 
-def _robot(path: Path, entry: dict[str, Any], fps: float, options: SourceOptions) -> Source:
+def _robot(path: Path, entry: dict[str, Any], fps: float | None, options: SourceOptions) -> Source:
     missing = [key for key in ("root_trans_offset", "root_rot") if key not in entry]
     if missing:
         raise InvalidFile(path, f"the robot's clip has no {', '.join(missing)}")
@@ -74,7 +72,7 @@ def _robot(path: Path, entry: dict[str, Any], fps: float, options: SourceOptions
     )
 
 
-def _human(path: Path, entry: dict[str, Any], fps: float, options: SourceOptions) -> Source:
+def _human(path: Path, entry: dict[str, Any], fps: float | None, options: SourceOptions) -> Source:
     if "trans_orig" not in entry:
         raise InvalidFile(path, "the human's clip has no trans_orig")
     poses, trans = array(path, entry, "pose_aa"), array(path, entry, "trans_orig")
@@ -86,4 +84,5 @@ def _human(path: Path, entry: dict[str, Any], fps: float, options: SourceOptions
     betas = array(path, entry, "beta").ravel() if "beta" in entry else np.empty(0)
     rest = rest_joints(path, options.skeleton, betas)
     rotations = poses[:, : 3 * JOINT_COUNT].reshape(-1, JOINT_COUNT, 3)
-    return human_source(path, stand(posed_joints(rest, rotations, trans)), fps)
+    habits = Habits(title="PHC", up="z", units="m")
+    return person_source(path, posed_joints(rest, rotations, trans), options, habits, fps=fps)

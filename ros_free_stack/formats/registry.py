@@ -11,6 +11,7 @@ import numpy as np
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
 from ros_free_stack.files import load_motion, load_trajectory, save_motion, save_trajectory
 from ros_free_stack.formats.detect import detect
+from ros_free_stack.formats.rates import check_rate
 from ros_free_stack.formats.source import Source, SourceOptions
 from ros_free_stack.messages import HumanMotion, RobotTrajectory
 
@@ -42,6 +43,10 @@ class Format:
 
 _HUMAN: Final[tuple[Kind, ...]] = ("human motion",)
 _ROBOT: Final[tuple[Kind, ...]] = ("robot trajectory",)
+_SIZE: Final = ("units", "height", "up")
+
+COMMON: Final = ("start", "end")
+"""Options that every format takes."""
 
 FORMATS: Final = {
     item.name: item
@@ -61,7 +66,7 @@ FORMATS: Final = {
             kinds=_HUMAN,
             read="bvh_motion:read",
             write="bvh_motion:write",
-            options=("source_fps", "units", "up", "mapping"),
+            options=("source_fps", *_SIZE, "mapping"),
         ),
         Format(
             name="asf-amc",
@@ -69,7 +74,7 @@ FORMATS: Final = {
             suffix=".amc",
             kinds=_HUMAN,
             read="amc_motion:read",
-            options=("source_fps", "skeleton", "mapping"),
+            options=("source_fps", *_SIZE, "skeleton", "mapping"),
         ),
         Format(
             name="amass",
@@ -77,7 +82,7 @@ FORMATS: Final = {
             suffix=".npz",
             kinds=_HUMAN,
             read="amass:read",
-            options=("source_fps", "skeleton"),
+            options=("source_fps", "up", "skeleton"),
         ),
         Format(
             name="humanml3d-joints",
@@ -85,7 +90,7 @@ FORMATS: Final = {
             suffix=".npy",
             kinds=_HUMAN,
             read="humanml3d:read_joints",
-            options=("source_fps",),
+            options=("source_fps", *_SIZE),
         ),
         Format(
             name="humanml3d-features",
@@ -109,7 +114,7 @@ FORMATS: Final = {
             suffix=".pkl",
             kinds=_HUMAN + _ROBOT,
             read="phc:read",
-            options=("source_fps", "robot", "clip", "skeleton"),
+            options=("source_fps", "up", "robot", "clip", "skeleton"),
         ),
         Format(
             name="gmr",
@@ -170,11 +175,11 @@ def load(path: Path, options: SourceOptions, format_name: str | None = None) -> 
         raise UnknownName("format to read", format_name, READABLE)
     if not path.is_file():
         raise InvalidFile(path, "no such file")
-    if options.source_fps is not None and not (np.isfinite(options.source_fps) and options.source_fps > 0):
-        raise InvalidOption("--source-fps", f"expected a positive number, found {options.source_fps}")
+    if options.source_fps is not None:
+        check_rate("--source-fps", options.source_fps)
     found = FORMATS[format_name or detect(path, options)]
     for item in fields(options):
-        if getattr(options, item.name) is not None and item.name not in found.options:
+        if getattr(options, item.name) is not None and item.name not in (*found.options, *COMMON):
             valid = ", ".join(_flag(name) for name in found.options) or "none"
             raise InvalidOption(_flag(item.name), f"{found.title} has no use for it; options of {found.name}: {valid}")
     source: Source = _function(found.read)(path, options)

@@ -46,7 +46,7 @@ def _read(path: Path, options: SourceOptions, order: QuaternionOrder) -> Source:
     return robot_source(
         path,
         options,
-        fps=options.source_fps or CSV_FPS,
+        fps=CSV_FPS,
         root_pos=table[:, :3],
         root_quat=table[:, 3:7],
         order=order,

@@ -9,6 +9,7 @@ import numpy as np
 from ros_free_stack.couplings import joint_couplings, settle
 from ros_free_stack.errors import InvalidFile, InvalidMessage, InvalidOption
 from ros_free_stack.formats.frames import blend
+from ros_free_stack.formats.rates import frame_rate
 from ros_free_stack.formats.source import QuaternionOrder, Source, SourceOptions, check_finite
 from ros_free_stack.messages import Bools, Floats, RobotTrajectory
 from ros_free_stack.robot_model import joint_addresses, kinematic_model, sole_corners
@@ -25,7 +26,7 @@ def robot_source(
     path: Path,
     options: SourceOptions,
     *,
-    fps: float,
+    fps: float | None,
     root_pos: Floats,
     root_quat: Floats,
     order: QuaternionOrder,
@@ -37,7 +38,7 @@ def robot_source(
     Args:
         path: the file, for errors.
         options: the user's options.
-        fps: frames a second.
+        fps: frames a second that the file states, if it does.
         root_pos: (T, 3) m.
         root_quat: (T, 4) in the given order, normalised here.
         order: of the quaternions.
@@ -45,12 +46,13 @@ def robot_source(
         notes: what else the reader had to assume.
 
     Raises:
-        InvalidOption: no robot was named.
+        InvalidOption: no robot was named, or the rate cannot be.
         InvalidFile: the arrays are no trajectory of that robot.
     """
     if options.robot is None:
         raise InvalidOption("--robot", f"name the robot of {path}: the file does not say which one moves")
     robot = load_robot(options.robot)
+    fps = frame_rate(path, fps, options.source_fps)
     arrays = {"root position": (root_pos, 3), "root rotation": (root_quat, 4), "joints": (joint_pos, len(robot.joints))}
     for name, (values, width) in arrays.items():
         if values.ndim != 2 or values.shape != (len(root_pos), width) or not len(values):

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from ros_free_stack.errors import InvalidFile, InvalidMessage
+from ros_free_stack.errors import InvalidFile
 from ros_free_stack.messages import Floats, HumanMotion, RobotTrajectory
 
 Units = Literal["m", "cm", "mm", "inch", "cmu"]
-UpAxis = Literal["y", "z"]
+UpAxis = Literal["y", "z", "x", "y-down"]
 QuaternionOrder = Literal["xyzw", "wxyz"]
 
 
@@ -22,10 +22,13 @@ class SourceOptions:
     source_fps: float | None = None
     quaternion: QuaternionOrder | None = None
     units: Units | None = None
+    height: float | None = None
     up: UpAxis | None = None
     mapping: Path | None = None
     skeleton: Path | None = None
     clip: str | None = None
+    start: float | None = None
+    end: float | None = None
 
 
 @dataclass(frozen=True)
@@ -34,14 +37,6 @@ class Source:
 
     content: HumanMotion | RobotTrajectory
     notes: tuple[str, ...] = ()
-
-
-def human_source(path: Path, joints: Floats, fps: float, notes: tuple[str, ...] = ()) -> Source:
-    """A Source of (T, 22, 3) joints in m, z up; InvalidFile where they are no motion."""
-    try:
-        return Source(HumanMotion(joints=joints, fps=fps, source=path.name), notes)
-    except InvalidMessage as error:
-        raise InvalidFile(path, f"not a valid human motion: {error}") from None
 
 
 def check_finite(path: Path, name: str, values: Floats) -> None:

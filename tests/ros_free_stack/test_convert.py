@@ -79,7 +79,7 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
     for name, atol in (("joints", 1e-6), ("features", 1e-4)):
         read, notes = load_human(tmp_path / f"{name}.npy", NO_OPTIONS)
         assert read.fps == 20
-        assert not notes
+        assert notes == (f"HumanML3D {name[:-1]} files state no frame rate: 20 assumed (--source-fps)",)
         np.testing.assert_allclose(stand(read.joints), stand(motion.joints[: len(read.joints)]), atol=atol)
     gmr.write(tmp_path / "gmr.pkl", trajectory())
     robot_csv.write_kimodo(tmp_path / "a.csv", trajectory())
@@ -140,11 +140,12 @@ def test_bad_values_in_arrays(tmp_path: Path, shape: tuple[int, ...], name: str)
         load(tmp_path / "a.npy", NO_OPTIONS, f"humanml3d-{name}")
 
 
-def test_arrays_of_the_wrong_size_are_no_person(tmp_path: Path, person) -> None:
+def test_arrays_in_another_unit_and_features_that_are_standardised(tmp_path: Path, person) -> None:
     motion = person(30)
     np.save(tmp_path / "millimetres.npy", 1000 * to_y_up(motion.joints))
-    with pytest.raises(InvalidFile, match=r"legs of 7\d\d m, expected 0.55 to 1.15; are the lengths in m\?"):
-        load(tmp_path / "millimetres.npy", NO_OPTIONS)
+    read, notes = load_human(tmp_path / "millimetres.npy", NO_OPTIONS)
+    np.testing.assert_allclose(read.joints, stand(motion.joints), atol=1e-6)
+    assert notes[-1] == "skeleton: HumanML3D joint; lengths in mm, y up"
     features = encode(motion.joints)
     np.save(tmp_path / "standardised.npy", (features - features.mean(axis=0)) / (features.std(axis=0) + 1e-9))
     with pytest.raises(InvalidFile, match="are the features standardised"):
@@ -161,7 +162,7 @@ def test_a_csv_does_not_tell_its_quaternions(tmp_path: Path, trajectory) -> None
 def test_options_in_vain_are_refused(human: Path) -> None:
     with pytest.raises(InvalidOption, match="--units: this project's own has no use for it; options of native: none"):
         load(human, SourceOptions(units="cm"))
-    with pytest.raises(InvalidOption, match="--source-fps: expected a positive number"):
+    with pytest.raises(InvalidOption, match="--source-fps: expected 5 to 1000 frames a second, found -1"):
         load(human, SourceOptions(source_fps=-1))
 
 

@@ -140,7 +140,7 @@ def test_gmr_reads_and_its_own_loader_would_too(tmp_path: Path, trajectory) -> N
         ({"root_rot": None}, r"root_rot is no array|root rotation: expected"),
         ({"dof_pos": np.zeros((31, 7))}, r"joints: expected \(T, 20\) for ROBOTIS OP3, found \(31, 7\)"),
         ({"root_pos": np.full((31, 3), np.inf)}, "root position: a value that is not finite at frame 0"),
-        ({"fps": 0}, "fps is 0, expected a positive number"),
+        ({"fps": [30, 30]}, r"fps is \[30, 30\], expected a number"),
         ({"root_pos": np.zeros((0, 3)), "root_rot": np.zeros((0, 4)), "dof_pos": np.zeros((0, 20))}, r"found \(0, 3\)"),
     ],
 )
