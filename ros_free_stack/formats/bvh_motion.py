@@ -8,6 +8,7 @@ turning rigid bones would miss a joint by more than 0.05 mm, every joint gets po
 """
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -16,12 +17,13 @@ from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTyp
 
 from ros_free_stack.formats.bvh import Bvh, Joint, positions, with_offsets, write_bvh
 from ros_free_stack.formats.bvh_reader import read_bvh
-from ros_free_stack.formats.families import Family, bare, find_family
 from ros_free_stack.formats.frames import to_y_up
-from ros_free_stack.formats.mapping import nearest_family, read_mapping, unknown_skeleton
+from ros_free_stack.formats.joint_roles import Tree
 from ros_free_stack.formats.person import Habits, person_source
+from ros_free_stack.formats.rigs import skeleton_of
 from ros_free_stack.formats.skeleton_map import select
 from ros_free_stack.formats.source import Source, SourceOptions
+from ros_free_stack.formats.upright import standing_axis
 from ros_free_stack.messages import Floats, HumanMotion
 from ros_free_stack.skeleton import JOINT_NAMES, PARENTS
 
@@ -42,24 +44,26 @@ def read(path: Path, options: SourceOptions) -> Source:
         UnknownName: the mapping names a joint that is not there.
     """
     data = with_offsets(read_bvh(path))
-    names = bare(data.names)
-    family, notes = known_skeleton(path, names, options.mapping)
-    joints = select(names, positions(data), family.weights)
-    habits = Habits(title=family.name, up=family.up, stood=family.placed, told=True)
-    return person_source(path, joints, options, habits, fps=data.fps, notes=data.notes + notes)
+    tree = Tree(
+        names=data.names,
+        parents=tuple(joint.parent for joint in data.joints),
+        lengths=tuple(float(np.linalg.norm(joint.offset)) for joint in data.joints),
+    )
+    (family, notes), joints = skeleton_of(path, tree, mapping=options.mapping, clip=options.clip)
+    names = [data.names[joint] for joint in joints]
 
+    def person(bvh: Bvh) -> Floats:
+        return select(names, positions(bvh)[:, list(joints)], family.weights)
 
-def known_skeleton(path: Path, names: tuple[str, ...], mapping: Path | None) -> tuple[Family, tuple[str, ...]]:
-    """The skeleton of a file by the user's mapping or by its joints' names, with what has to be said of it."""
-    if mapping is not None:
-        return read_mapping(mapping, names)
-    family = find_family(names)
-    if family is not None:
-        return family, ()
-    nearest = nearest_family(names)
-    if nearest is None:
-        raise unknown_skeleton(path, names)
-    return nearest
+    rest = standing_axis(person(replace(data, values=np.zeros((1, data.values.shape[1])))))
+    habits = Habits(
+        title=family.name,
+        up=family.up,
+        rest="y" if rest == "y" else "z" if rest == "z" else None,
+        stood=family.placed,
+        told=True,
+    )
+    return person_source(path, person(data), options, habits, fps=data.fps, notes=data.notes + notes)
 
 
 def write(path: Path, motion: HumanMotion) -> tuple[str, ...]:

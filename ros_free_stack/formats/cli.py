@@ -33,7 +33,7 @@ class ReadsMotion(Command):
     skeleton: Path | None = None
     """Skeleton of a motion without one: SMPL model .npz or rest joints .json (AMASS, PHC), .asf (AMC)."""
     clip: str | None = None
-    """Which clip of a file that holds several."""
+    """Which clip or skeleton of a file that holds several."""
     start: float | None = None
     """Take the motion from this time on, in s from the file's first frame."""
     end: float | None = None

@@ -11,7 +11,7 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile, InvalidMessage, InvalidOption
 from ros_free_stack.formats.body import check_body, is_t_pose
-from ros_free_stack.formats.frames import stand
+from ros_free_stack.formats.frames import floor_height, stand
 from ros_free_stack.formats.jumps import find_capture, jump_notes
 from ros_free_stack.formats.rates import frame_rate
 from ros_free_stack.formats.source import Source, SourceOptions, Units, UpAxis, check_finite
@@ -20,6 +20,9 @@ from ros_free_stack.formats.stature import metres_a_unit
 from ros_free_stack.formats.upright import turned_up, up_axis
 from ros_free_stack.messages import Floats, HumanMotion
 from ros_free_stack.skeleton import INDEX, JOINT_COUNT
+
+NEAR_FLOOR_M = 0.15
+"""A motion that stands on the floor already has it this near to z = 0."""
 
 FASTEST_M_S = 40.0
 """No hand or foot of a person is faster, be it in a pitch or a kick."""
@@ -32,6 +35,7 @@ class Habits:
     Attributes:
         title: of the kind, for notes.
         up: the up axis.
+        rest: the up axis of the rest pose, for a person who only lies.
         units: the unit of lengths.
         fps: the rate of those that state none.
         stood: whether they stand on the floor and face forward already.
@@ -40,6 +44,7 @@ class Habits:
 
     title: str
     up: UpAxis | None = None
+    rest: UpAxis | None = None
     units: Units | None = None
     fps: float | None = None
     stood: bool = False
@@ -79,6 +84,7 @@ def person_source(
     joints = joints[frames_between(path, len(joints), fps, options)]
     metres, unit, doubts = metres_a_unit(joints, options, habits.units)
     up, doubt = (options.up, False) if options.up else up_axis(joints, habits.up)
+    up = up or habits.rest
     if up is None:
         raise InvalidOption("--up", f"name the up axis of {path} (y or z): it cannot be told from how the person lies")
     if habits.told or unit != habits.units or up != habits.up:
@@ -86,7 +92,8 @@ def person_source(
         why = f" (the person stands along it; {usual}: --up overrules)" if doubt else ""
         notes += (f"skeleton: {habits.title}; lengths in {unit}, {up} up{why}",)
     joints = turned_up(metres * joints, up)
-    if habits.stood:  # no capture: every frame is meant
+    stood = habits.stood and abs(floor_height(joints)) < NEAR_FLOOR_M
+    if stood:  # no capture: every frame is meant
         capture = replace(find_capture(joints, fps), start=0, end=len(joints))
     else:
         check_body(path, joints)
@@ -95,7 +102,7 @@ def person_source(
     joints = joints[capture.start : capture.end]
     notes += _too_fast(joints, fps)
     try:
-        motion = HumanMotion(joints=joints if habits.stood else stand(joints), fps=fps, source=path.name)
+        motion = HumanMotion(joints=joints if stood else stand(joints), fps=fps, source=path.name)
     except InvalidMessage as error:
         raise InvalidFile(path, f"not a valid human motion: {error}") from None
     return Source(motion, notes)

@@ -66,7 +66,7 @@ FORMATS: Final = {
             kinds=_HUMAN,
             read="bvh_motion:read",
             write="bvh_motion:write",
-            options=("source_fps", *_SIZE, "mapping"),
+            options=("source_fps", *_SIZE, "mapping", "clip"),
         ),
         Format(
             name="asf-amc",

@@ -11,7 +11,7 @@ from ros_free_stack.formats.bvh import Bvh, Joint, write_bvh
 from ros_free_stack.formats.bvh_motion import read, write
 from ros_free_stack.formats.families import FAMILIES, Family, bare, find_family
 from ros_free_stack.formats.frames import from_y_up, stand, to_y_up
-from ros_free_stack.formats.mapping import complete, template
+from ros_free_stack.formats.mapping import complete
 from ros_free_stack.formats.skeleton_map import select
 from ros_free_stack.formats.source import SourceOptions
 from ros_free_stack.formats.stature import METRES
@@ -66,10 +66,11 @@ def test_every_family_is_known_by_its_names_and_gives_the_same_person(tmp_path: 
 def test_a_prefix_before_all_names_does_not_matter(tmp_path: Path, person) -> None:
     mixamo = next(family for family in FAMILIES if family.name == "Mixamo")
     names, points = rig_points(mixamo, to_y_up(100 * person(3).joints))
-    for prefix in ("mixamorig:", "Model_", "rig|"):
+    for prefix in ("mixamorig:", "mixamorig", "Model_", "rig|"):
         source = read(write_rig(tmp_path / "a.bvh", names, points, prefix=prefix), NO_OPTIONS)
         assert "Mixamo" in source.notes[-1]
     assert bare(["Hips", "Head"]) == ("Hips", "Head")
+    assert bare(["Armature", "rig:Hips", "rig:Head"]) == ("Armature", "Hips", "Head")
     assert bare(["a:b"]) == ("b",)
 
 
@@ -205,13 +206,6 @@ def test_completed_weights_sum_to_one() -> None:
     full = complete({name: blend for name, blend in table.items() if "collar" not in name})
     assert set(full) == set(JOINT_NAMES)
     assert all(sum(blend.values()) == pytest.approx(1) for blend in full.values())
-
-
-def test_a_template_leaves_open_what_may_be_missing() -> None:
-    guesses = yaml.safe_load(template(["Hips", "LeftUpLeg", "r_hand"]))
-    assert (guesses["pelvis"], guesses["left_hip"], guesses["right_wrist"]) == ("Hips", "LeftUpLeg", "r_hand")
-    assert guesses["left_collar"] is None
-    assert guesses["right_hip"] == "FILL_IN"
 
 
 @settings(max_examples=15, deadline=None)
