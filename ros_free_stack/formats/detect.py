@@ -8,6 +8,7 @@ from typing import Any, Final, cast
 import numpy as np
 
 from ros_free_stack.errors import InvalidFile, InvalidOption
+from ros_free_stack.formats.catalogue import FORMATS, READABLE
 from ros_free_stack.formats.source import SourceOptions
 
 
@@ -25,8 +26,6 @@ def detect(path: Path, options: SourceOptions) -> str:
 
 
 def _unknown(path: Path, seen: str) -> InvalidFile:
-    from ros_free_stack.formats.registry import FORMATS, READABLE
-
     lines = "".join(f"\n  {name:20s}{FORMATS[name].suffix:6s}{FORMATS[name].title}" for name in READABLE)
     return InvalidFile(path, f"of no known format ({seen}); name one with --format:{lines}")
 

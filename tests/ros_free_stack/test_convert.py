@@ -10,9 +10,10 @@ import launch
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
 from ros_free_stack.files import load_motion, load_trajectory, save_motion, save_trajectory
 from ros_free_stack.formats import gmr, robot_csv
+from ros_free_stack.formats.catalogue import FORMATS, READABLE, WRITABLE
 from ros_free_stack.formats.features import encode
 from ros_free_stack.formats.frames import stand, to_y_up
-from ros_free_stack.formats.registry import FORMATS, READABLE, WRITABLE, load, load_human, save
+from ros_free_stack.formats.registry import load, load_human, save
 from ros_free_stack.formats.source import SourceOptions
 from ros_free_stack.messages import HumanMotion, RobotTrajectory
 
