@@ -65,7 +65,7 @@ FORMATS: Final = {
         ),
         Format(
             name="amass",
-            title="AMASS: SMPL-H or SMPL-X poses",
+            title="SMPL poses: AMASS, GVHMR, WHAM, SLAHMR and others",
             suffix=".npz",
             kinds=HUMAN,
             read="amass:read",
@@ -73,11 +73,11 @@ FORMATS: Final = {
         ),
         Format(
             name="humanml3d-joints",
-            title="HumanML3D joints (T, 22, 3)",
+            title="joints' places: HumanML3D, MDM, SMPL, KIT-ML",
             suffix=".npy",
             kinds=HUMAN,
-            read="humanml3d:read_joints",
-            options=("source_fps", *_SIZE),
+            read="joint_arrays:read",
+            options=("source_fps", *_SIZE, "clip"),
         ),
         Format(
             name="humanml3d-features",
@@ -97,11 +97,11 @@ FORMATS: Final = {
         ),
         Format(
             name="phc",
-            title="PHC, H2O and ASAP pickles",
+            title="pickles of PHC, H2O, ASAP, AIST++, WHAM",
             suffix=".pkl",
             kinds=HUMAN + ROBOT,
             read="phc:read",
-            options=("source_fps", "up", "robot", "clip", "skeleton"),
+            options=("source_fps", *_SIZE, "robot", "clip", "skeleton"),
         ),
         Format(
             name="gmr",
@@ -110,6 +110,14 @@ FORMATS: Final = {
             kinds=ROBOT,
             read="gmr:read",
             write="gmr:write",
+            options=("source_fps", "robot"),
+        ),
+        Format(
+            name="mimickit",
+            title="MimicKit pickle",
+            suffix=".pkl",
+            kinds=ROBOT,
+            read="mimickit:read",
             options=("source_fps", "robot"),
         ),
         Format(

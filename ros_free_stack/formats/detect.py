@@ -31,42 +31,41 @@ def _unknown(path: Path, seen: str) -> InvalidFile:
 
 
 def _npz(path: Path, options: SourceOptions) -> str:
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            names = set(archive.files)
-    except Exception as error:  # damaged archives raise a dozen kinds of error
-        raise InvalidFile(path, f"not a readable .npz ({error})") from None
-    if "kind" in names:
+    from ros_free_stack.formats.archives import load_npz
+    from ros_free_stack.formats.joint_arrays import has_joints
+    from ros_free_stack.formats.smpl_poses import has_poses
+
+    entries = load_npz(path)
+    if "kind" in entries:
         return "native"
-    if "poses" in names or {"root_orient", "pose_body"} <= names:
+    if has_poses(entries):
         return "amass"
-    raise _unknown(path, f"holds {', '.join(sorted(names)) or 'nothing'}")
+    if has_joints(entries):
+        return "humanml3d-joints"
+    raise _unknown(path, f"holds {', '.join(sorted(entries)) or 'nothing'}")
 
 
 def _npy(path: Path, options: SourceOptions) -> str:
-    try:
-        shape = np.load(path, allow_pickle=False, mmap_mode="r").shape
-    except (ValueError, OSError, EOFError) as error:
-        raise InvalidFile(path, f"not a readable .npy ({error})") from None
-    if shape[1:] == (22, 3):
-        return "humanml3d-joints"
-    if shape[1:] == (263,):
-        return "humanml3d-features"
-    raise _unknown(path, f"an array {shape}; joints are (T, 22, 3), features (T, 263)")
+    from ros_free_stack.formats.archives import load_npy
+
+    features = np.shape(cast(Any, load_npy(path)))[1:] == (263,)
+    return "humanml3d-features" if features else "humanml3d-joints"
 
 
 def _pkl(path: Path, options: SourceOptions) -> str:
-    from ros_free_stack.formats.gmr import KEYS
-    from ros_free_stack.formats.phc import is_clip
+    from ros_free_stack.formats import gmr, mimickit
+    from ros_free_stack.formats.phc import clips_of
     from ros_free_stack.formats.safe_pickle import read_pickle
 
     data = read_pickle(path)
-    entries = cast(dict[Any, Any], data) if isinstance(data, dict) else {}
-    if entries.keys() >= set(KEYS):
+    entries: dict[Any, Any] = cast(Any, data) if isinstance(data, dict) else {}
+    if entries.keys() >= set(gmr.KEYS):
         return "gmr"
-    if any(is_clip(clip) for clip in entries.values()):
+    if entries.keys() >= set(mimickit.KEYS):
+        return "mimickit"
+    if clips_of(cast(object, data)):
         return "phc"
-    raise _unknown(path, "a pickle of neither GMR nor PHC")
+    raise _unknown(path, f"a pickle of {', '.join(map(str, list(entries)[:20])) or 'no dictionary'}")
 
 
 def _csv(path: Path, options: SourceOptions) -> str:

@@ -92,13 +92,6 @@ def open_published(folder: Path, skeleton: Skeleton) -> PublishedDataset:
     return PublishedDataset(folder, skeleton)
 
 
-def read_joints(path: Path, options: SourceOptions) -> Source:
-    """The human motion in a `.npy` of (T, 22, 3) joints: usually m, y up, 20 fps."""
-    joints = _array(path, (None, len(HUMANML3D.joints), 3))
-    habits = Habits(title="HumanML3D joint", up="y", units="m", fps=FPS)
-    return person_source(path, joints, options, habits, fps=None)
-
-
 def read_features(path: Path, options: SourceOptions) -> Source:
     """The human motion in a `.npy` of (T, 263) features that are not standardised, 20 fps."""
     joints = decode(_array(path, (None, HUMANML3D.width)))

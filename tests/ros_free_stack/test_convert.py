@@ -99,9 +99,9 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
         ("a.fbx", b"", "of no known format .*asf-amc.*unitree-csv"),
         ("a.npz", b"\x00\xff" * 30, "not a readable .npz"),
         ("a.npy", b"\x93NUMPY\x01\x00", "not a readable .npy"),
-        ("a.npy", "array", r"of no known format \(an array \(4, 21, 3\); joints are"),
+        ("a.npy", "array", r"joints of shape \(4, 17, 3\): these are joints of COCO .* expected \(T, 22, 3\)"),
         ("a.npz", "archive", r"of no known format \(holds x\)"),
-        ("a.pkl", pickle.dumps({"a": 1}), r"of no known format \(a pickle of neither"),
+        ("a.pkl", pickle.dumps({"a": 1}), r"of no known format \(a pickle of a\)"),
         ("a.pkl", b"\x80\x05garbage", "not a readable pickle"),
         ("a.txt", b"hello", r"of no known format \(no JSON object with 'Frames'\)"),
         ("a.txt", b"[1]", r"of no known format \(no JSON"),
@@ -111,7 +111,7 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
 def test_what_is_no_motion_file(tmp_path: Path, name: str, data: bytes | str, message: str) -> None:
     path = tmp_path / name
     if data == "array":
-        np.save(path, np.zeros((4, 21, 3)))
+        np.save(path, np.zeros((4, 17, 3)))
     elif data == "archive":
         np.savez(path, x=np.zeros(3))
     else:
@@ -134,10 +134,10 @@ def test_bad_values_in_arrays(tmp_path: Path, shape: tuple[int, ...], name: str)
     values = np.zeros(shape)
     values[1] = np.nan
     np.save(tmp_path / "a.npy", values)
-    with pytest.raises(InvalidFile, match="not finite at row 1"):
+    with pytest.raises(InvalidFile, match=r"not finite at (row|frame) 1"):
         load(tmp_path / "a.npy", NO_OPTIONS)
     np.save(tmp_path / "a.npy", values[:0])
-    with pytest.raises(InvalidFile, match="expected floats of shape"):
+    with pytest.raises(InvalidFile, match=r"expected floats of shape|joints of shape \(0, 22, 3\)"):
         load(tmp_path / "a.npy", NO_OPTIONS, f"humanml3d-{name}")
 
 

@@ -202,7 +202,7 @@ def test_phc_clips_of_a_human(tmp_path: Path, rest) -> None:
     with pytest.raises(InvalidOption, match="--skeleton"):
         phc.read(path, SourceOptions())
     bad = phc_file(tmp_path / "b.pkl", walk=clip | {"trans_orig": np.zeros((3, 3))})
-    with pytest.raises(InvalidFile, match=r"expected pose_aa \(T, 72\) and trans_orig \(T, 3\)"):
+    with pytest.raises(InvalidFile, match=r"trans_orig: expected \(4, 3\), a row for each pose, found \(3, 3\)"):
         phc.read(bad, SourceOptions(skeleton=skeleton))
 
 
