@@ -31,6 +31,7 @@ class Format:
 HUMAN: Final[tuple[Kind, ...]] = ("human motion",)
 ROBOT: Final[tuple[Kind, ...]] = ("robot trajectory",)
 _SIZE: Final = ("units", "height", "up")
+_ROBOT: Final = ("robot", "units", "angles", "floor")
 
 COMMON: Final = ("start", "end")
 """Options that every format takes."""
@@ -45,6 +46,7 @@ FORMATS: Final = {
             kinds=HUMAN + ROBOT,
             read="native:read",
             write="native:write",
+            options=("floor",),
         ),
         Format(
             name="bvh",
@@ -101,7 +103,7 @@ FORMATS: Final = {
             suffix=".pkl",
             kinds=HUMAN + ROBOT,
             read="phc:read",
-            options=("source_fps", *_SIZE, "robot", "clip", "skeleton"),
+            options=("source_fps", "height", "up", *_ROBOT, "clip", "skeleton"),
         ),
         Format(
             name="gmr",
@@ -110,7 +112,7 @@ FORMATS: Final = {
             kinds=ROBOT,
             read="gmr:read",
             write="gmr:write",
-            options=("source_fps", "robot"),
+            options=("source_fps", *_ROBOT),
         ),
         Format(
             name="mimickit",
@@ -118,7 +120,7 @@ FORMATS: Final = {
             suffix=".pkl",
             kinds=ROBOT,
             read="mimickit:read",
-            options=("source_fps", "robot"),
+            options=("source_fps", *_ROBOT),
         ),
         Format(
             name="unitree-csv",
@@ -127,7 +129,7 @@ FORMATS: Final = {
             kinds=ROBOT,
             read="robot_csv:read_unitree",
             write="robot_csv:write_unitree",
-            options=("source_fps", "robot", "quaternion"),
+            options=("source_fps", *_ROBOT, "quaternion"),
         ),
         Format(
             name="kimodo-csv",
@@ -136,14 +138,32 @@ FORMATS: Final = {
             kinds=ROBOT,
             read="robot_csv:read_kimodo",
             write="robot_csv:write_kimodo",
-            options=("source_fps", "robot", "quaternion"),
+            options=("source_fps", *_ROBOT, "quaternion"),
+        ),
+        Format(
+            name="csv-names",
+            title="robot csv with names of columns: BONES-SEED, this project's tables and others",
+            suffix=".csv",
+            kinds=ROBOT,
+            read="robot_table:read",
+            options=("source_fps", *_ROBOT),
+        ),
+        Format(
+            name="robot-arrays",
+            title="named arrays of a robot: mjlab, BeyondMimic, holosoma, loco-mujoco and others",
+            suffix=".npz",
+            kinds=ROBOT,
+            read="robot_arrays:read",
+            options=("source_fps", *_ROBOT, "quaternion", "clip"),
         ),
         Format(
             name="mjlab",
             title="mjlab and BeyondMimic, with velocities",
             suffix=".npz",
             kinds=ROBOT,
+            read="robot_arrays:read",
             write="mjlab:write",
+            options=("source_fps", *_ROBOT, "quaternion", "clip"),
         ),
     )
 }

@@ -10,6 +10,7 @@ import numpy as np
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.formats.catalogue import FORMATS, READABLE
 from ros_free_stack.formats.source import SourceOptions
+from ros_free_stack.formats.tables import read_table
 
 
 def detect(path: Path, options: SourceOptions) -> str:
@@ -33,6 +34,7 @@ def _unknown(path: Path, seen: str) -> InvalidFile:
 def _npz(path: Path, options: SourceOptions) -> str:
     from ros_free_stack.formats.archives import load_npz
     from ros_free_stack.formats.joint_arrays import has_joints
+    from ros_free_stack.formats.robot_arrays import has_robot
     from ros_free_stack.formats.smpl_poses import has_poses
 
     entries = load_npz(path)
@@ -40,6 +42,8 @@ def _npz(path: Path, options: SourceOptions) -> str:
         return "native"
     if has_poses(entries):
         return "amass"
+    if has_robot(entries):
+        return "robot-arrays"
     if has_joints(entries):
         return "humanml3d-joints"
     raise _unknown(path, f"holds {', '.join(sorted(entries)) or 'nothing'}")
@@ -55,6 +59,7 @@ def _npy(path: Path, options: SourceOptions) -> str:
 def _pkl(path: Path, options: SourceOptions) -> str:
     from ros_free_stack.formats import gmr, mimickit
     from ros_free_stack.formats.phc import clips_of
+    from ros_free_stack.formats.robot_arrays import has_robot
     from ros_free_stack.formats.safe_pickle import read_pickle
 
     data = read_pickle(path)
@@ -63,17 +68,21 @@ def _pkl(path: Path, options: SourceOptions) -> str:
         return "gmr"
     if entries.keys() >= set(mimickit.KEYS):
         return "mimickit"
+    if has_robot(entries):
+        return "robot-arrays"
     if clips_of(cast(object, data)):
         return "phc"
     raise _unknown(path, f"a pickle of {', '.join(map(str, list(entries)[:20])) or 'no dictionary'}")
 
 
 def _csv(path: Path, options: SourceOptions) -> str:
+    if read_table(path).names:
+        return "csv-names"
     if options.quaternion is None:
         raise InvalidOption(
             "--quaternion",
             f"name the order of quaternions in {path}: xyzw (as Unitree writes them) or wxyz (Kimodo, MuJoCo); "
-            "nothing in a csv tells them apart",
+            "nothing in a csv without names of columns tells them apart",
         )
     return "unitree-csv" if options.quaternion == "xyzw" else "kimodo-csv"
 

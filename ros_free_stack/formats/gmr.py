@@ -12,7 +12,7 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
-from ros_free_stack.formats.robot_source import robot_source
+from ros_free_stack.formats.robot_source import RobotArrays, robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
 from ros_free_stack.formats.smpl_poses import numbers, stated_rate
 from ros_free_stack.formats.source import Source, SourceOptions
@@ -33,15 +33,10 @@ def read(path: Path, options: SourceOptions) -> Source:
         raise InvalidFile(path, f"not a GMR motion; expected a dictionary with {', '.join(KEYS)}")
     entry = cast(dict[str, Any], data)
     root_pos, root_quat, joint_pos = (numbers(path, entry, key) for key in KEYS[1:])
-    return robot_source(
-        path,
-        options,
-        fps=stated_rate(path, entry),
-        root_pos=root_pos,
-        root_quat=root_quat,
-        order="xyzw",
-        joint_pos=joint_pos,
+    arrays = RobotArrays(
+        root_pos=root_pos, root_quat=root_quat, order="xyzw", joint_pos=joint_pos, fps=stated_rate(path, entry)
     )
+    return robot_source(path, options, arrays)
 
 
 def write(path: Path, trajectory: RobotTrajectory) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
-from ros_free_stack.formats.robot_source import robot_source
+from ros_free_stack.formats.robot_source import RobotArrays, robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
 from ros_free_stack.formats.smpl_poses import numbers, stated_rate
 from ros_free_stack.formats.source import Source, SourceOptions, check_finite
@@ -35,12 +35,11 @@ def read(path: Path, options: SourceOptions) -> Source:
     if frames.ndim != 2 or frames.shape[1] < 7:
         raise InvalidFile(path, f"frames: expected (T, 6 + joints), found {frames.shape}")
     check_finite(path, "frames", frames)
-    return robot_source(
-        path,
-        options,
-        fps=stated_rate(path, entries),
+    arrays = RobotArrays(
         root_pos=frames[:, :3],
         root_quat=np.asarray(Rotation.from_rotvec(frames[:, 3:6]).as_quat(scalar_first=True)),
         order="wxyz",
         joint_pos=frames[:, 6:],
+        fps=stated_rate(path, entries),
     )
+    return robot_source(path, options, arrays)

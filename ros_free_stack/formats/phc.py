@@ -11,7 +11,7 @@ from typing import Any, cast
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
 from ros_free_stack.formats.joint_arrays import has_joints, joints_source
 from ros_free_stack.formats.person import Habits
-from ros_free_stack.formats.robot_source import robot_source
+from ros_free_stack.formats.robot_source import RobotArrays, robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
 from ros_free_stack.formats.smpl_poses import has_poses, numbers, smpl_source, stated_rate
 from ros_free_stack.formats.source import Source, SourceOptions, UpAxis
@@ -77,12 +77,11 @@ def _robot(path: Path, entries: Entries, options: SourceOptions) -> Source:
     if missing:
         raise InvalidFile(path, f"the robot's clip has no {', '.join(missing)}")
     joint_pos = numbers(path, entries, "dof")
-    return robot_source(
-        path,
-        options,
+    arrays = RobotArrays(
         fps=stated_rate(path, entries),
         root_pos=numbers(path, entries, "root_trans_offset"),
         root_quat=numbers(path, entries, "root_rot"),
         order="xyzw",
         joint_pos=joint_pos[..., 0] if joint_pos.ndim == 3 else joint_pos,
     )
+    return robot_source(path, options, arrays)

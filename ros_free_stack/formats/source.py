@@ -12,6 +12,7 @@ from ros_free_stack.messages import Floats, HumanMotion, RobotTrajectory
 Units = Literal["m", "cm", "mm", "inch", "cmu"]
 UpAxis = Literal["y", "z", "x", "y-down"]
 QuaternionOrder = Literal["xyzw", "wxyz"]
+Angles = Literal["rad", "deg"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +22,8 @@ class SourceOptions:
     robot: str | None = None
     source_fps: float | None = None
     quaternion: QuaternionOrder | None = None
+    angles: Angles | None = None
+    floor: bool | None = None
     units: Units | None = None
     height: float | None = None
     up: UpAxis | None = None

@@ -161,7 +161,9 @@ def test_a_csv_does_not_tell_its_quaternions(tmp_path: Path, trajectory) -> None
 
 
 def test_options_in_vain_are_refused(human: Path) -> None:
-    with pytest.raises(InvalidOption, match="--units: this project's own has no use for it; options of native: none"):
+    with pytest.raises(
+        InvalidOption, match="--units: this project's own has no use for it; options of native: --floor"
+    ):
         load(human, SourceOptions(units="cm"))
     with pytest.raises(InvalidOption, match="--source-fps: expected 5 to 1000 frames a second, found -1"):
         load(human, SourceOptions(source_fps=-1))
