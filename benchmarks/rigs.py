@@ -203,6 +203,8 @@ def build(names: RigNames, rest: Floats, prefix: str, *, foreign_root: bool = Fa
     for side in SIDES:
         last = on["neck"] - 1
         for role, name in zip(ARM, names.arm, strict=True):
+            if not name:
+                continue
             where = place(f"{side}_{role}")
             if role == "wrist":
                 where = names.forearm * where + (1 - names.forearm) * place(f"{side}_elbow")

@@ -80,22 +80,29 @@ def with_offsets(bvh: Bvh) -> Bvh:
     Some programs give every joint position channels and leave them at zero, or write only how far a joint is pulled
     out of its place. Channels in place of the offsets are about as long as these.
     """
-    values, shares, columns, column = np.array(bvh.values), list[float](), list[tuple[int, float]](), 0
-    for joint in bvh.joints:
+    shares: dict[int, float] = {}
+    columns: dict[int, list[int]] = {}
+    column = 0
+    for i, joint in enumerate(bvh.joints):
         places = [column + k for k, name in enumerate(joint.channels) if name.endswith("position")]
-        axes = ["XYZ".index(name[0]) for name in joint.channels if name.endswith("position")]
         column += len(joint.channels)
         length = float(np.linalg.norm(joint.offset))
-        if joint.parent < 0 or len(places) < 3 or length == 0:
-            continue
-        shares.append(float(np.median(np.linalg.norm(values[:, places], axis=1))) / length)
-        columns += zip(places, joint.offset[axes], strict=True)
-    if not shares or np.median(shares) > PULLED_OUT:
+        if joint.parent >= 0 and len(places) == 3 and length > 0:
+            columns[i] = places
+            shares[i] = float(np.median(np.linalg.norm(bvh.values[:, places], axis=1))) / length
+    added = [i for i, places in columns.items() if not bvh.values[:, places].any()]
+    how = "are zero: its offset stands"
+    if len(added) < len(shares) and float(np.median(list(shares.values()))) <= PULLED_OUT:
+        added, how = list(columns), "are far shorter than its offset: they are added to it"
+    if not added:
         return bvh
-    for place, offset in columns:
-        values[:, place] += offset
-    how = "are zero: its offset stands" if max(shares) == 0 else "are far shorter than its offset: they are added to it"
-    return replace(bvh, values=values, notes=(*bvh.notes, f"the position channels of each joint {how}"))
+    values = np.array(bvh.values)
+    for i in added:
+        joint = bvh.joints[i]
+        axes = ["XYZ".index(name[0]) for name in joint.channels if name.endswith("position")]
+        values[:, columns[i]] += joint.offset[axes]
+    which = "each joint" if len(added) == len(columns) else ", ".join(bvh.joints[i].name for i in added[:8])
+    return replace(bvh, values=values, notes=(*bvh.notes, f"the position channels of {which} {how}"))
 
 
 def write_bvh(path: Path, bvh: Bvh) -> None:

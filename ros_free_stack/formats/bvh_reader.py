@@ -4,6 +4,7 @@ Words count, not lines: keywords and channels in any case, names with spaces, br
 lines anywhere, numbers with a decimal comma. Of frames there are as many as there are rows: exporters miscount them.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -15,6 +16,8 @@ from ros_free_stack.formats.bvh import Bvh, Floats, Joint
 from ros_free_stack.formats.text import read_text
 
 _CHANNELS: Final = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+
+_HEADER: Final = {"Frames:": r"frames ?:? ?(\S+)", "Frame Time:": r"frame ?time ?:? ?(\S+)"}
 
 Rows = list[tuple[int, list[str]]]
 """Numbers of lines and their words."""
@@ -32,7 +35,7 @@ def read_bvh(path: Path) -> Bvh:
         raise InvalidFile(path, "no line 'MOTION' (truncated?)")
     joints = _hierarchy(path, lines[:motion])
     rows: Rows = [(i + 1, line.split()) for i, line in enumerate(lines) if i > motion and line.strip()]
-    count, frame_time = (_header(path, lines, rows, i, key) for i, key in enumerate(("Frames:", "Frame Time:")))
+    count, frame_time = (_header(path, lines, rows, i, key) for i, key in enumerate(_HEADER))
     width = sum(len(joint.channels) for joint in joints)
     values, notes = _frames(path, rows[2:], round(count), width)
     return Bvh(tuple(joints), values, 1 / frame_time if frame_time > 0 else 0.0, notes)
@@ -40,13 +43,10 @@ def read_bvh(path: Path) -> Bvh:
 
 def _header(path: Path, lines: list[str], rows: Rows, i: int, key: str) -> float:
     line, words = rows[i] if i < len(rows) else (len(lines), [])
-    head, colon, value = " ".join(words).partition(":")
-    if not colon or head.strip().lower() != key[:-1].lower():
+    found = re.fullmatch(_HEADER[key], " ".join(words), re.IGNORECASE)
+    if found is None or not _is_number(found.group(1)):
         raise InvalidFile(path, f"line {line}: expected '{key} NUMBER', found {' '.join(words)[:60]!r}")
-    try:
-        return _number(path, line, value.strip())
-    except InvalidFile:
-        raise InvalidFile(path, f"line {line}: expected '{key} NUMBER', found {' '.join(words)[:60]!r}") from None
+    return _number(path, line, found.group(1))
 
 
 def _frames(path: Path, rows: Rows, count: int, width: int) -> tuple[Floats, tuple[str, ...]]:

@@ -4,7 +4,6 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import tyro
 
 from ros_free_stack.console import Command, say
@@ -90,13 +89,13 @@ class Convert(ReadsMotionOrRobot):
 
     def run(self) -> int:
         """Read, resample on request, write, and say what had to be assumed."""
-        from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import make_folder
+        from ros_free_stack.formats.rates import check_rate
         from ros_free_stack.formats.registry import load, output_format, save
         from ros_free_stack.messages import HumanMotion
 
-        if self.fps is not None and not (np.isfinite(self.fps) and self.fps > 0):
-            raise InvalidOption("--fps", f"expected a positive number, found {self.fps}")
+        if self.fps is not None:
+            check_rate("--fps", self.fps)
         target = output_format(self.out, self.to)
         source = load(self.source, self.source_options(), self.format)
         for note in source.notes:

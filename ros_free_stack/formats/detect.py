@@ -12,6 +12,18 @@ from ros_free_stack.formats.catalogue import FORMATS, READABLE
 from ros_free_stack.formats.source import SourceOptions
 from ros_free_stack.formats.tables import read_table
 
+_BVH: Final = "export BVH (Blender: File, Export, Motion Capture)"
+_NUMPY: Final = (
+    "save its arrays with numpy.savez, e.g. numpy.savez('clip.npz', **{k: v.numpy() for k, v in data.items()})"
+)
+_ADVICE: Final = (
+    dict.fromkeys((".fbx", ".glb", ".gltf", ".dae", ".usd", ".usda", ".blend", ".vmd", ".anim"), _BVH)
+    | dict.fromkeys((".pt", ".pth", ".ckpt", ".safetensors"), _NUMPY)
+    | dict.fromkeys((".c3d", ".trc"), "they hold markers, not joints: solve them to a skeleton and export BVH")
+    | {".asf": "it is a skeleton: name the .amc file that moves it"}
+)
+"""What to do with files that are often at hand and not read."""
+
 
 def detect(path: Path, options: SourceOptions) -> str:
     """The name of a file's format.
@@ -21,6 +33,8 @@ def detect(path: Path, options: SourceOptions) -> str:
         InvalidOption: a csv without a named order of quaternions.
     """
     suffix = path.suffix.lower()
+    if suffix in _ADVICE:
+        raise InvalidFile(path, f"{suffix} files are not read: {_ADVICE[suffix]}")
     if suffix not in _DETECTORS:
         raise _unknown(path, f"suffix {suffix!r}")
     return _DETECTORS[suffix](path, options)

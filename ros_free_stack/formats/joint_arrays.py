@@ -82,6 +82,8 @@ def _clips(path: Path, values: Floats) -> Floats:
         values = values.reshape(*shape[:-1], JOINT_COUNT, 3)
     elif values.ndim in (3, 4) and shape[-2] == 3 and shape[-3] in counts and shape[-1] != 3:
         values = np.moveaxis(values, -1, -3)  # (..., J, 3, T)
+    elif values.ndim in (3, 4) and shape[-2] == 3 and shape[-1] in counts:
+        values = values.swapaxes(-1, -2)  # (..., T, 3, J)
     if values.ndim == 3:
         values = values[None]
     if values.ndim != 4 or values.shape[-1] != 3 or values.shape[-2] not in counts or not values.size:

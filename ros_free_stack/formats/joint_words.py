@@ -24,7 +24,7 @@ PARTS: Final[dict[str, tuple[str, ...]]] = {
     "shin": ("shin", "calf", "lowerleg", "lowleg", "knee", "tibia", "shank", "leglower", "lolegs", "loleg", "ひざ"),
     "ankle": ("ankle", "足首"),
     "foot": ("foot",),
-    "toe": ("toe", "toes", "toebase", "ball", "toesbase", "toeroot", "forefoot", "metatarsals", "つま先"),
+    "toe": ("toe", "toes", "toebase", "ball", "toesbase", "toeroot", "forefoot", "つま先"),
     "collar": ("collar", "clavicle", "scapula", "clav", "collarbone", "shoulderblade"),
     "shoulder": ("shoulder", "肩"),
     "arm": ("arm", "upperarm", "uparm", "uarm", "shldr", "humerus", "shldrbend", "armupper", "腕"),

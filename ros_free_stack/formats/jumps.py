@@ -5,6 +5,7 @@ calibration pose if it is two or three frames or frozen; some conversions smooth
 frames with speeds that nobody reaches.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -39,22 +40,23 @@ class Capture:
     jumps: tuple[tuple[int, float], ...]
 
 
-def find_capture(points: Floats, fps: float, *, posed: tuple[bool, bool] = (False, False)) -> Capture:
+def find_capture(points: Floats, fps: float, *, posed: Callable[[Floats], bool] = lambda frame: False) -> Capture:
     """Where the captured motion begins and ends.
 
     Args:
         points: (T, P, 3) m, the root first.
         fps: frames a second.
-        posed: whether the first and the last frame show a pose for calibration, for which a lesser jump is enough.
+        posed: whether a frame (P, 3) shows a pose for calibration: a lesser jump is enough after it, and it may be
+            held for any time without being frozen.
     """
     frames = len(points)
     if frames < 4:
         return Capture(0, frames, ())
     steps = _steps(points)
     pose_steps = _steps(points - points[:, :1])
-    start = _lead(points, steps, pose_steps, fps, posed=posed[0])
+    start = _lead(points, steps, pose_steps, fps, posed)
     left, back_steps, back_pose = (values[::-1][: frames - start] for values in (points, steps, pose_steps))
-    back = _lead(left, back_steps, back_pose, fps, posed=posed[1])
+    back = _lead(left, back_steps, back_pose, fps, posed)
     inside = sorted({k for way in (steps, pose_steps) for k in _breaks(way, fps) if start <= k < frames - back - 1})
     jumps = tuple((k, float(steps[k])) for k in inside if steps[k] > JUMP_M)
     return Capture(start, frames - back, jumps)
@@ -90,14 +92,16 @@ def _breaks(steps: Floats, fps: float) -> list[int]:
     return found
 
 
-def _lead(points: Floats, steps: Floats, pose_steps: Floats, fps: float, *, posed: bool) -> int:
+def _lead(points: Floats, steps: Floats, pose_steps: Floats, fps: float, posed: Callable[[Floats], bool]) -> int:
     """How many frames at the start are a pose."""
     lead = max(_smoothed_lead(steps, fps), _smoothed_lead(pose_steps, fps))
-    if posed and any(way[0] * fps > JUMP_SPEED / 2 and way[0] > 1.5 * way[1:4].max() for way in (steps, pose_steps)):
+    first = posed(points[0])
+    if first and any(way[0] * fps > JUMP_SPEED / 2 and way[0] > 1.5 * way[1:4].max() for way in (steps, pose_steps)):
         lead = max(lead, 1)
     for k in {*_breaks(steps, fps), *_breaks(pose_steps, fps)}:
         frozen = float(np.ptp(points[: k + 1], axis=0).max()) < FROZEN_M
-        if k + 1 < len(points) - 1 and (k < POSE_FRAMES or frozen):
+        held = first and posed(points[k]) and posed(points[k // 2])
+        if k + 1 < len(points) - 1 and (k < POSE_FRAMES or frozen or held):
             lead = max(lead, k + 1)
     return lead
 

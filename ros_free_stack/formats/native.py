@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ros_free_stack.errors import InvalidOption
+from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import load_motion, load_trajectory, save_motion, save_trajectory
+from ros_free_stack.formats.rates import FASTEST_FPS, SLOWEST_FPS
 from ros_free_stack.formats.robot_floor import on_floor
 from ros_free_stack.formats.robot_resample import part_of_trajectory
 from ros_free_stack.formats.source import Source, SourceOptions
@@ -23,10 +24,12 @@ def read(path: Path, options: SourceOptions) -> Source:
         kind = "human_motion"
     if kind != "robot_trajectory":
         motion = load_motion(path)
+        _check_rate(path, motion.fps)
         if options.floor:
             raise InvalidOption("--floor", "is for robot trajectories: human motion is put on the floor anyway")
         return Source(_part_of_motion(motion, frames_between(path, len(motion.joints), motion.fps, options)))
     trajectory = load_trajectory(path)
+    _check_rate(path, trajectory.fps)
     span = frames_between(path, len(trajectory.joint_pos), trajectory.fps, options)
     trajectory = part_of_trajectory(trajectory, span)
     return Source(*on_floor(trajectory, lower=True)) if options.floor else Source(trajectory)
@@ -39,6 +42,11 @@ def write(path: Path, content: HumanMotion | RobotTrajectory) -> tuple[str, ...]
     else:
         save_trajectory(path, content)
     return ()
+
+
+def _check_rate(path: Path, fps: float) -> None:
+    if not SLOWEST_FPS <= fps <= FASTEST_FPS:
+        raise InvalidFile(path, f"states {fps:g} frames a second, expected {SLOWEST_FPS:g} to {FASTEST_FPS:g}")
 
 
 def _part_of_motion(motion: HumanMotion, frames: slice) -> HumanMotion:

@@ -97,7 +97,7 @@ def person_source(
         capture = replace(find_capture(joints, fps), start=0, end=len(joints))
     else:
         check_body(path, joints)
-        capture = find_capture(joints, fps, posed=(is_t_pose(joints[0]), is_t_pose(joints[-1])))
+        capture = find_capture(joints, fps, posed=is_t_pose)
     notes += doubts + jump_notes(capture, len(joints), fps)
     joints = joints[capture.start : capture.end]
     notes += _too_fast(joints, fps)

@@ -17,7 +17,7 @@ from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
 from ros_free_stack.formats.archives import load_npz
 from ros_free_stack.formats.robot_names import joint_columns
 from ros_free_stack.formats.robot_order import breadth_first
-from ros_free_stack.formats.robot_source import RobotArrays, named_robot, robot_source
+from ros_free_stack.formats.robot_source import UNIT_NORM, RobotArrays, named_robot, robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
 from ros_free_stack.formats.smpl_poses import numbers, stated_rate
 from ros_free_stack.formats.source import QuaternionOrder, Source, SourceOptions
@@ -156,12 +156,19 @@ def _by_name(
             raise InvalidFile(path, f"{key} names {len(names)} joints, there are {width}")
         places, left = joint_columns(path, names, robot)
         return joints[:, places], (f"joints left out: {', '.join(left[:8])}",) if left else ()
+    if joints.ndim == 2 and joints.shape[1] == len(robot.joints) + 7 and _are_unit(joints[:, -4:]):
+        note = "the last 7 columns of qpos are an object's pose: left out; joints are taken in the model's order"
+        return joints[:, :-7], (note,)
     if "body_pos_w" in entries and joints.ndim == 2 and joints.shape[1] == len(robot.joints):
         bodies = _flat(numbers(path, entries, "body_pos_w"), 3)[chosen]
         places = breadth_first(robot, root_pos, root_quat, joints, bodies)
         if places is not None:
             return joints[:, places], ("the bodies show that joints come breadth first, as Isaac has them",)
     return joints, ("the file names no joints: they are taken in the order of the robot's model",)
+
+
+def _are_unit(quaternions: Floats) -> bool:
+    return bool((np.abs(np.linalg.norm(quaternions, axis=1) - 1) < UNIT_NORM).all())
 
 
 def _flat(values: Floats, dimensions: int) -> Floats:

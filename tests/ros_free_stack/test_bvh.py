@@ -120,6 +120,7 @@ VARIANTS = {
     "channels before offset": lambda text: re.sub(r"(OFFSET.*)(\s+)(CHANNELS.*)", r"\3\2\1", text),
     "channels over two lines": lambda text: text.replace(CHANNELS, CHANNELS.replace(" X", "\n X")),
     "spaces around the colon": lambda text: text.replace("Frames:\t3", "Frames : 3").replace("Time:\t", "Time :"),
+    "no colon": lambda text: text.replace("Frames:\t", "Frames ").replace("Frame Time:\t", "FrameTime: "),
     "decimal comma": lambda text: text.replace("0.05", "0,05").replace("-90 90", "-90,0 90"),
     "rows over two lines": lambda text: text.replace(" 0 0 0 0 0 0 0\n", "\n0 0 0 0 0 0 0\n"),
     "ctrl-Z at the end": lambda text: text + "\x1a",
@@ -185,6 +186,18 @@ def test_position_channels_that_do_not_replace_the_offset(tmp_path: Path, pulled
     assert ("its offset stands" if not pulled else "added to it") in data.notes[0]
     assert with_offsets(data).notes == data.notes
     assert with_offsets(plain) is plain
+
+
+def test_single_joints_at_zero_get_their_offset(tmp_path: Path) -> None:
+    """Position channels in place of the offset, but for a joint whose channels were never filled."""
+    moves = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"
+    plain = read_bvh(written(tmp_path, BVH))
+    rows = [np.insert(row, [6, 6, 6, 9, 9, 9], [0, 0, 0, 0, 50, 0]) for row in plain.values]
+    text = BVH.replace(CHANNELS, moves)
+    text = text[: text.index("0 90 0 0 0")] + "\n".join(" ".join(map(str, row)) for row in rows)
+    data = with_offsets(read_bvh(written(tmp_path, text)))
+    np.testing.assert_allclose(positions(data), positions(plain), atol=1e-9)
+    assert data.notes == ("the position channels of knee are zero: its offset stands",)
 
 
 def test_missing_file(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 import json
 import os
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,11 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
 @pytest.mark.parametrize(
     ("name", "data", "message"),
     [
-        ("a.fbx", b"", "of no known format .*asf-amc.*unitree-csv"),
+        ("a.xyz", b"", "of no known format .*asf-amc.*unitree-csv"),
+        ("a.fbx", b"", r"\.fbx files are not read: export BVH"),
+        ("a.pt", b"", r"\.pt files are not read: save its arrays with numpy"),
+        ("a.c3d", b"", "they hold markers, not joints"),
+        ("a.asf", b"", "it is a skeleton: name the .amc file"),
         ("a.npz", b"\x00\xff" * 30, "not a readable .npz"),
         ("a.npy", b"\x93NUMPY\x01\x00", "not a readable .npy"),
         ("a.npy", "array", r"joints of shape \(4, 17, 3\): these are joints of COCO .* expected \(T, 22, 3\)"),
@@ -158,6 +163,14 @@ def test_a_csv_does_not_tell_its_quaternions(tmp_path: Path, trajectory) -> None
     with pytest.raises(InvalidOption, match=r"--quaternion: name the order .* xyzw \(as Unitree .* wxyz \(Kimodo"):
         load(tmp_path / "a.csv", SourceOptions(robot="op3"))
     assert load(tmp_path / "a.csv", SourceOptions(robot="op3"), "unitree-csv").content.fps == 30
+
+
+def test_own_files_with_a_rate_that_cannot_be_are_refused(tmp_path: Path, person, trajectory) -> None:
+    save_motion(tmp_path / "a.npz", replace(person(5), fps=1 / 30))
+    save_trajectory(tmp_path / "b.npz", replace(trajectory(), fps=1e5))
+    for name in ("a.npz", "b.npz"):
+        with pytest.raises(InvalidFile, match=r"states .* frames a second, expected 5 to 1000"):
+            load(tmp_path / name, NO_OPTIONS)
 
 
 def test_options_in_vain_are_refused(human: Path) -> None:

@@ -51,6 +51,7 @@ SHAPES = {
     "(1, T, 66)": lambda joints: joints.reshape(1, -1, 66),
     "(22, 3, T)": lambda joints: np.moveaxis(joints, 0, -1),
     "(1, 22, 3, T)": lambda joints: np.moveaxis(joints, 0, -1)[None],
+    "(T, 3, 22)": lambda joints: joints.swapaxes(1, 2),
     "float32": lambda joints: joints.astype(np.float32),
 }
 

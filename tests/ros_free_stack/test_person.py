@@ -173,6 +173,18 @@ def test_a_pose_before_or_after_the_motion_is_left_out_and_told(person, t_pose, 
         assert any(f"the {where} {held} frame" in note and "left out" in note for note in notes)
 
 
+def test_a_pose_that_a_person_holds_is_left_out_too(person, t_pose) -> None:
+    """A T-pose of two seconds that is captured: it sways, so that nothing is frozen."""
+    motion = walk(person)
+    time = np.arange(60)[:, None, None] / 30
+    sway = t_pose + 0.03 * np.sin(2 * time) * (0, 1, 0.2) * (t_pose[:, 2:] / 1.5)
+    found, notes = read(to_y_up(np.concatenate([sway - np.array([0, 3, 0]), motion])))
+    np.testing.assert_allclose(found.joints, stand(motion), atol=1e-9)
+    assert notes == ("the first 60 frames are a pose that the motion jumps from or to: left out",)
+    walks = np.concatenate([motion - np.array([0, 3, 0]), motion])
+    assert len(read(to_y_up(walks))[0].joints) == 120
+
+
 def test_a_smoothed_way_from_the_pose_is_left_out_with_it(person, t_pose) -> None:
     motion = walk(person, 240, 120.0)
     way = np.geomspace(1, 0.03, 6)[:, None, None]

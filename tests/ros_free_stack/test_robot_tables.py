@@ -245,6 +245,12 @@ def test_qpos_by_names_or_in_the_models_order(tmp_path: Path, before, suffix: st
         else:
             path.write_bytes(pickle.dumps(arrays))
         assert_same(read(path), before)
+    box = np.tile([1.0, 0, 0.5, 1, 0, 0, 0], (31, 1))
+    np.savez(tmp_path / "box.npz", qpos=np.concatenate([qpos, box], axis=1), fps=50)
+    source = load(tmp_path / "box.npz", G1)
+    assert isinstance(source.content, RobotTrajectory)
+    assert_same(source.content, before)
+    assert source.notes[0].startswith("the last 7 columns of qpos are an object's pose: left out")
     path = tmp_path / "b.npz"
     np.savez(path, qpos=np.concatenate([shuffled, shuffled]), joint_names=np.array(names), frequency=50.0,
              split_points=np.array([0, 31, 62]))  # fmt: skip

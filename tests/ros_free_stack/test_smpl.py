@@ -120,6 +120,8 @@ def test_errors_of_a_skeleton(tmp_path: Path, rest: Floats) -> None:
     assert "plain arrays" in problem(write_model(tmp_path / "d.npz", rest, J_regressor=np.array([{}], dtype=object)))
     (tmp_path / "e.npz").write_bytes(b"\x00\xff" * 50)
     assert "not an SMPL model" in problem(tmp_path / "e.npz")
+    big = write_skeleton(tmp_path / "big.json", 100 * rest)
+    assert "rest joints of a person 170 m tall: are they in m?" in problem(big)
     (tmp_path / "a.json").write_text("{}")
     assert "no rest joint 'pelvis'" in problem(tmp_path / "a.json")
     (tmp_path / "b.json").write_text(json.dumps({name: [0, 1] for name in JOINT_NAMES}))
