@@ -1,7 +1,5 @@
 """Arrays of `.npy` and `.npz` files, nothing of which is run."""
 
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,8 +10,6 @@ from ros_free_stack.errors import InvalidFile
 from ros_free_stack.formats.safe_pickle import read_pickle
 
 Array = NDArray[Any]
-
-_DAMAGE = (ValueError, OSError, EOFError, KeyError, TypeError, zipfile.BadZipFile, zlib.error)
 
 
 def load_npz(path: Path) -> dict[str, Array]:
@@ -33,7 +29,7 @@ def load_npz(path: Path) -> dict[str, Array]:
                 except ValueError as error:
                     if "Object arrays" not in str(error):
                         raise
-    except _DAMAGE as error:
+    except Exception as error:  # damaged archives raise a dozen kinds of error
         raise InvalidFile(path, f"not a readable .npz ({error})") from None
     return found
 
@@ -55,7 +51,7 @@ def load_npy(path: Path) -> object:
             start = stream.tell()
         if not dtype.hasobject:
             return cast(object, np.load(path, allow_pickle=False))
-    except _DAMAGE as error:
+    except Exception as error:  # so do damaged headers
         raise InvalidFile(path, f"not a readable .npy ({error})") from None
     data: Any = read_pickle(path, skip=start)
     return cast(object, data.item()) if isinstance(data, np.ndarray) and data.size == 1 else cast(object, data)

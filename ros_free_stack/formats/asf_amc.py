@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.source import LARGEST
 from ros_free_stack.formats.text import read_text
 
 Floats = NDArray[np.float64]
@@ -99,7 +100,7 @@ def read_amc(path: Path, skeleton: AsfSkeleton) -> dict[str, Floats]:
         sound = names == bones * frames and bool((np.diff(table[:, 0]) == 1).all())
     except ValueError:
         sound, table = False, np.empty((0, 0))
-    if not sound or not np.isfinite(table).all():
+    if not sound or not (np.abs(table) <= LARGEST).all():
         raise _fault(path, body, first_line, dict(zip(bones, widths, strict=True)))
     motion = dict(zip(bones, np.split(table[:, 1:], np.cumsum(widths)[:-1], axis=1), strict=True))
     return {
@@ -248,6 +249,6 @@ def _fault(path: Path, body: str, first_line: int, widths: dict[str, int]) -> In
 
 def _finite(words: list[str]) -> bool:
     try:
-        return bool(np.isfinite([float(word) for word in words]).all())
+        return all(abs(float(word)) <= LARGEST for word in words)
     except ValueError:
         return False

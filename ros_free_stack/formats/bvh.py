@@ -4,6 +4,7 @@ Rotations apply from left to right in the order of the channels; position channe
 the programs that write such files (MotionBuilder, Blender) mean them.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -47,14 +48,18 @@ class Bvh:
         return tuple(joint.name for joint in self.joints)
 
 
-def positions(bvh: Bvh) -> Floats:
-    """(T, J, 3) positions of all joints and end sites, in the file's frame and unit."""
+def positions(bvh: Bvh, only: Sequence[int] | None = None) -> Floats:
+    """(T, J, 3) positions of all joints and end sites, or of some by their number, in the file's frame and unit."""
     frames, column = len(bvh.values), 0
-    turns: list[Floats] = []
-    points = np.zeros((frames, len(bvh.joints), 3))
+    wanted = range(len(bvh.joints)) if only is None else only
+    needed = _with_parents(bvh, wanted)
+    turns: dict[int, Floats] = {}
+    points: dict[int, Floats] = {}
     for i, joint in enumerate(bvh.joints):
         values = bvh.values[:, column : column + len(joint.channels)]
         column += len(joint.channels)
+        if i not in needed:
+            continue
         offset = np.tile(joint.offset, (frames, 1))
         turning = [k for k, channel in enumerate(joint.channels) if channel.endswith("rotation")]
         for k, channel in enumerate(joint.channels):
@@ -65,13 +70,23 @@ def positions(bvh: Bvh) -> Floats:
             order = "".join(joint.channels[k][0] for k in turning)
             turn = Rotation.from_euler(order, values[:, turning], degrees=True).as_matrix()
         if joint.parent < 0:
-            points[:, i] = offset
-            turns.append(turn)
+            points[i], turns[i] = offset, turn
             continue
         base = turns[joint.parent]
-        points[:, i] = points[:, joint.parent] + (base @ offset[..., None])[..., 0]
-        turns.append(base @ turn)
-    return points
+        points[i] = points[joint.parent] + (base @ offset[..., None])[..., 0]
+        turns[i] = base @ turn
+    return np.stack([points[i] for i in wanted], axis=1)
+
+
+def _with_parents(bvh: Bvh, joints: Iterable[int]) -> set[int]:
+    """The joints and all above them."""
+    needed: set[int] = set()
+    for joint in joints:
+        above = joint
+        while above >= 0 and above not in needed:
+            needed.add(above)
+            above = bvh.joints[above].parent
+    return needed
 
 
 def with_offsets(bvh: Bvh) -> Bvh:

@@ -50,10 +50,12 @@ def read(path: Path, options: SourceOptions) -> Source:
         lengths=tuple(float(np.linalg.norm(joint.offset)) for joint in data.joints),
     )
     (family, notes), joints = skeleton_of(path, tree, mapping=options.mapping, clip=options.clip)
+    needed = {name for blend in family.weights.values() for name in blend}
+    joints = [joint for joint in joints if data.names[joint] in needed]
     names = [data.names[joint] for joint in joints]
 
     def person(bvh: Bvh) -> Floats:
-        return select(names, positions(bvh)[:, list(joints)], family.weights)
+        return select(names, positions(bvh, joints), family.weights)
 
     rest = standing_axis(person(replace(data, values=np.zeros((1, data.values.shape[1])))))
     habits = Habits(

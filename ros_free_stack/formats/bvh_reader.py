@@ -13,9 +13,13 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.formats.bvh import Bvh, Floats, Joint
+from ros_free_stack.formats.source import LARGEST
 from ros_free_stack.formats.text import read_text
 
 _CHANNELS: Final = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+
+MOST_JOINTS: Final = 5000
+"""No rig has as many; what follows takes the square of their number."""
 
 _HEADER: Final = {"Frames:": r"frames ?:? ?(\S+)", "Frame Time:": r"frame ?time ?:? ?(\S+)"}
 
@@ -34,6 +38,8 @@ def read_bvh(path: Path) -> Bvh:
     if motion is None:
         raise InvalidFile(path, "no line 'MOTION' (truncated?)")
     joints = _hierarchy(path, lines[:motion])
+    if len(joints) > MOST_JOINTS:
+        raise InvalidFile(path, f"holds {len(joints)} joints and end sites, expected at most {MOST_JOINTS}")
     rows: Rows = [(i + 1, line.split()) for i, line in enumerate(lines) if i > motion and line.strip()]
     count, frame_time = (_header(path, lines, rows, i, key) for i, key in enumerate(_HEADER))
     width = sum(len(joint.channels) for joint in joints)
@@ -70,7 +76,7 @@ def _frames(path: Path, rows: Rows, count: int, width: int) -> tuple[Floats, tup
         if not all(_is_number(word) for row in words for word in row):
             raise _fault(path, rows, width) from None
         values = np.array([[_with_point(word) for word in row] for row in words], dtype=np.float64)
-    if not np.isfinite(values).all():
+    if not (np.abs(values) <= LARGEST).all():
         raise _fault(path, rows, width)
     if len(values) != count:
         notes += (f"the header counts {count} frames, the file holds {len(values)}: all of these are read",)
@@ -170,7 +176,7 @@ def _with_point(word: str) -> str:
 
 def _is_number(word: str) -> bool:
     try:
-        return bool(np.isfinite(float(_with_point(word))))
+        return abs(float(_with_point(word))) <= LARGEST
     except ValueError:
         return False
 

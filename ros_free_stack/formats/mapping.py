@@ -38,6 +38,9 @@ _BEFORE: Final = {
 UNKNOWN: Final = "FILL_IN"
 """Stands in a proposed mapping for a joint that no name suggests."""
 
+SHOWN: Final = 200
+"""Names of joints that the template lists."""
+
 Blend = dict[str, float]
 
 
@@ -149,7 +152,8 @@ def template(names: Sequence[str], roles: Mapping[str, Blend]) -> str:
             row = {joint: next(iter(blend)) if single else dict(blend)}
             style = False if single else None
             rows.append(yaml.safe_dump(row, allow_unicode=True, width=10**6, default_flow_style=style).strip())
-    return "\n".join([*rows, f"# joints of the file: {', '.join(names)}"])
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return "\n".join([*rows, f"# joints of the file: {', '.join(names[:SHOWN])}{more}"])
 
 
 def unknown_skeleton(path: Path, names: Sequence[str], roles: Mapping[str, Blend]) -> InvalidFile:

@@ -9,6 +9,9 @@ from ros_free_stack.formats.joint_roles import Blend, Tree, find_roles
 from ros_free_stack.formats.mapping import nearest_family, read_mapping, unknown_skeleton, with_ends
 from ros_free_stack.skeleton import JOINT_NAMES
 
+DEEPEST = 20
+"""So many joints of scenery may lie above a person."""
+
 Known = tuple[Family, tuple[str, ...]]
 """A skeleton, and in words what has to be said of it."""
 
@@ -83,14 +86,17 @@ def _people(tree: Tree) -> list[int]:
     for joint, parent in enumerate(tree.parents):
         children.setdefault(parent, []).append(joint)
 
-    def inside(joints: list[int]) -> list[int]:
-        found: list[int] = []
-        for joint in joints:
-            if _recognise(_part(tree, _below(tree, joint))) is not None:
-                found += inside(children.get(joint, [])) or [joint]
-        return found
-
-    return inside(children[-1])
+    found: list[int] = []
+    open_joints = [(joint, 0) for joint in children[-1]]
+    while open_joints:
+        joint, depth = open_joints.pop(0)
+        below = children.get(joint, []) if depth < DEEPEST else []
+        people = [child for child in below if _recognise(_part(tree, _below(tree, child))) is not None]
+        if people:
+            open_joints = [(child, depth + 1) for child in people] + open_joints
+        elif depth or _recognise(_part(tree, _below(tree, joint))) is not None:
+            found.append(joint)
+    return found
 
 
 def _labels(tree: Tree, people: list[int]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -42,8 +42,13 @@ class Source:
     notes: tuple[str, ...] = ()
 
 
+LARGEST: Final = 1e9
+"""No length or angle of a motion is larger, in whatever unit; squares of larger numbers leave what floats can hold."""
+
+
 def check_finite(path: Path, name: str, values: Floats) -> None:
-    """InvalidFile with the first frame of (T, ...) values that is not finite."""
-    bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
-    if bad.any():
-        raise InvalidFile(path, f"{name}: a value that is not finite at frame {int(np.flatnonzero(bad)[0])}")
+    """InvalidFile with the first frame of (T, ...) values that is not finite or beyond all measure."""
+    for bad, what in ((~np.isfinite(values), "not finite"), (np.abs(values) > LARGEST, f"larger than {LARGEST:g}")):
+        frames = bad.reshape(len(values), -1).any(axis=1)
+        if frames.any():
+            raise InvalidFile(path, f"{name}: a value that is {what} at frame {int(np.flatnonzero(frames)[0])}")

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.source import LARGEST
 from ros_free_stack.formats.text import read_text
 from ros_free_stack.messages import Floats
 
@@ -50,8 +51,8 @@ def read_table(path: Path) -> Table:
             row[:] = [float(cell) for cell in cells]
         except ValueError as error:
             raise InvalidFile(path, f"line {number}: {error}; expected numbers below one line of names") from None
-        if not np.isfinite(row).all():
-            raise InvalidFile(path, f"line {number}: a value that is not finite")
+        if not (np.abs(row) <= LARGEST).all():
+            raise InvalidFile(path, f"line {number}: a value that is not finite, or larger than {LARGEST:g}")
     return Table(rows, names)
 
 

@@ -200,6 +200,18 @@ def test_single_joints_at_zero_get_their_offset(tmp_path: Path) -> None:
     assert data.notes == ("the position channels of knee are zero: its offset stands",)
 
 
+def test_some_joints_alone_lie_where_they_do_among_all(tmp_path: Path) -> None:
+    data = read_bvh(written(tmp_path, BVH))
+    np.testing.assert_array_equal(positions(data, [4, 1]), positions(data)[:, [4, 1]])
+
+
+def test_a_file_of_too_many_joints_is_refused(tmp_path: Path) -> None:
+    leaf = "JOINT a\n{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\n"
+    text = BVH.replace("  JOINT chest", leaf * 5000 + "}" * 5000 + "\n  JOINT chest")
+    with pytest.raises(InvalidFile, match="holds 5005 joints and end sites, expected at most 5000"):
+        read_bvh(written(tmp_path, text))
+
+
 def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="cannot be read"):
         read_bvh(tmp_path / "none.bvh")
