@@ -146,7 +146,7 @@ FORMATS: Final = {
             suffix=".csv",
             kinds=ROBOT,
             read="robot_table:read",
-            options=("source_fps", *_ROBOT),
+            options=("source_fps", *_ROBOT, "quaternion"),
         ),
         Format(
             name="robot-arrays",

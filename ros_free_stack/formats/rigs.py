@@ -39,6 +39,11 @@ def skeleton_of(path: Path, tree: Tree, *, mapping: Path | None, clip: str | Non
     if mapping is not None:
         return read_mapping(mapping, part.names), joints
     known = _recognise(part)
+    others = [
+        tree.names[joint] for joint, parent in enumerate(tree.parents) if parent < 0 and joint not in tree.above(top)
+    ]
+    if known is not None and others:
+        known = known[0], (f"the skeleton below {tree.names[top]} is read; left out: {', '.join(others)}", *known[1])
     if known is None:
         raise unknown_skeleton(path, [name for name in part.names if not name.endswith("_end")], find_roles(part))
     _check_names(path, part, known[0])

@@ -72,9 +72,9 @@ def arrays_source(path: Path, entries: Entries, options: SourceOptions) -> Sourc
         seconds = numbers(path, entries, step).ravel()
         fps = 1 / float(seconds[0]) if len(seconds) == 1 and seconds[0] > 0 else None
     if "qpos" in entries:
-        root_pos, root_quat, joints, order = *_of_qpos(path, entries), "wxyz"
+        root_pos, root_quat, joints, order = *_of_qpos(path, entries), options.quaternion or "wxyz"
     elif {"joint_pos", "body_pos_w", "body_quat_w"} <= set(entries):
-        root_pos, root_quat, joints, order = *_of_bodies(path, entries), "wxyz"
+        root_pos, root_quat, joints, order = *_of_bodies(path, entries), options.quaternion or "wxyz"
     else:
         root_pos, root_quat, joints, order = _of_parts(path, entries, options)
     chosen = _chosen(path, entries, len(joints), options)
@@ -161,7 +161,8 @@ def _by_name(
         return joints[:, :-7], (note,)
     if "body_pos_w" in entries and joints.ndim == 2 and joints.shape[1] == len(robot.joints):
         bodies = _flat(numbers(path, entries, "body_pos_w"), 3)[chosen]
-        places = breadth_first(robot, root_pos, root_quat, joints, bodies)
+        turns = root_quat[:, (3, 0, 1, 2)] if order == "xyzw" else root_quat
+        places = breadth_first(robot, root_pos, turns, joints, bodies)
         if places is not None:
             return joints[:, places], ("the bodies show that joints come breadth first, as Isaac has them",)
     return joints, ("the file names no joints: they are taken in the order of the robot's model",)

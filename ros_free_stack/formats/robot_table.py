@@ -56,7 +56,7 @@ def read(path: Path, options: SourceOptions) -> Source:
     fps, said = _rate(path, table, columns, options, CSV_FPS if not seed else SEED_FPS)
     arrays = RobotArrays(
         root_pos=table.rows[:, _axes(path, table, columns, "position", "xyz")],
-        root_quat=_quaternions(path, table, columns, options.angles or angles),
+        root_quat=_quaternions(path, table, columns, options, options.angles or angles),
         order="wxyz",
         joint_pos=table.rows[:, [joints[i] for i in places]],
         fps=fps,
@@ -67,7 +67,9 @@ def read(path: Path, options: SourceOptions) -> Source:
     return robot_source(path, options, arrays)
 
 
-def _quaternions(path: Path, table: Table, columns: list[Column], angles: Angles | None) -> Floats:
+def _quaternions(
+    path: Path, table: Table, columns: list[Column], options: SourceOptions, angles: Angles | None
+) -> Floats:
     """(T, 4) wxyz, from quaternions by name or from angles about the fixed axes x, y, z."""
     if any(column.part == "euler" for column in columns):
         turns = table.rows[:, _axes(path, table, columns, "euler", "xyz")]
@@ -77,6 +79,10 @@ def _quaternions(path: Path, table: Table, columns: list[Column], angles: Angles
             raise InvalidOption("--angles", problem)
         rotation = Rotation.from_euler("xyz", turns, degrees=angles == "deg")
         return np.asarray(rotation.as_quat(scalar_first=True))
+    order = "".join(column.axis for column in columns if column.part == "quaternion")
+    if options.quaternion not in (None, order):
+        problem = f"the columns of {path} name the order {order}, found {options.quaternion}"
+        raise InvalidOption("--quaternion", problem)
     return table.rows[:, _axes(path, table, columns, "quaternion", "wxyz")]
 
 

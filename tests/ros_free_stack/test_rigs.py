@@ -131,6 +131,10 @@ def test_of_two_people_one_is_asked_for(tmp_path: Path, shape: str) -> None:
     motion = read(path, SourceOptions(clip=first_name)).content
     assert isinstance(motion, HumanMotion)
     np.testing.assert_allclose(motion.joints[:, INDEX["left_knee"]], wanted[:, INDEX["left_knee"]], atol=1e-3)
+    assert (shape == "one scene") != any(
+        note.startswith(f"the skeleton below {first.names[0]} is read; left out: ")
+        for note in read(path, SourceOptions(clip=first_name)).notes
+    )
     small = read(path, SourceOptions(clip=second_name)).content
     assert isinstance(small, HumanMotion)
     expected = stand(turned_up(walk(replace(other, heading=2.0, tall=1.5))[2], "y"))  # pyright: ignore[reportArgumentType]

@@ -90,6 +90,16 @@ def test_names_with_other_endings_are_the_same_joints(tmp_path: Path, before, re
     assert any("columns left out: left_knee_vel" in note for note in source.notes)
 
 
+def test_a_named_order_needs_no_word_and_bears_no_other(tmp_path: Path, before) -> None:
+    path = write_csv(tmp_path / "a.csv", values(before))
+    assert_same(read(path, replace(G1, quaternion="wxyz", source_fps=50)), before)
+    with pytest.raises(InvalidOption, match=r"--quaternion: the columns of .* name the order wxyz, found xyzw"):
+        load(path, replace(G1, quaternion="xyzw"))
+    qpos = np.concatenate([before.root_pos, before.root_quat[:, [1, 2, 3, 0]], before.joint_pos], axis=1)
+    np.savez(tmp_path / "a.npz", qpos=qpos, fps=50)
+    assert_same(read(tmp_path / "a.npz", replace(G1, quaternion="xyzw")), before)
+
+
 def test_seed_tables_are_in_centimetres_and_degrees(tmp_path: Path, before) -> None:
     turns = Rotation.from_quat(before.root_quat, scalar_first=True).as_euler("xyz", degrees=True)
     columns = {"Frame": np.arange(31.0)}
