@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from ros_free_stack.console import say
+from ros_free_stack.console import say, time_left
 from ros_free_stack.formats.cli import ReadsMotion
 
 
@@ -17,6 +17,7 @@ class Retarget(ReadsMotion):
     Examples:
         python launch.py retarget out/human_motion.npz --robot g1 --out out/trajectory.npz
         python launch.py retarget walk1_subject1.bvh --robot g1
+        python launch.py retarget dance.bvh --robot g1 --start 12 --end 20 --keep-timing
         python launch.py retarget take.bvh --mapping mapping.yaml --units cm
         python launch.py retarget Walk_B15_stageii.npz --skeleton SMPLX_NEUTRAL.npz
     """
@@ -33,6 +34,8 @@ class Retarget(ReadsMotion):
     """Shift the body so that the robot keeps its balance."""
     solver: Literal["clip", "frames"] = "clip"
     """`clip` solves all frames together; `frames` one after the other: quicker, less smooth."""
+    keep_timing: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Keep the person's pace also where a step leaves the robot no time to shift its weight."""
 
     def run(self) -> int:
         """Retarget, write both files, and say what could not be followed."""
@@ -49,10 +52,20 @@ class Retarget(ReadsMotion):
         for note in notes:
             say(note)
         make_folder(self.out.parent)
-        result = retarget(motion, robot, fps=self.fps, balance=self.balance, solver=self.solver)
+        result = retarget(
+            motion,
+            robot,
+            fps=self.fps,
+            balance=self.balance,
+            solver=self.solver,
+            keep_timing=self.keep_timing,
+            progress=time_left("retarget"),
+        )
         table = self.out.with_suffix(".csv")
         save_trajectory_csv(table, result.trajectory)
         save_trajectory(self.out, result.trajectory)
+        for line in result.report.changes():
+            say(line)
         for item in result.report.tracking_errors:
             say(f"tracking error: {item}")
         for line in result.report.failures():
@@ -69,6 +82,6 @@ class Retarget(ReadsMotion):
                 "duration_s": trajectory.duration_s,
                 "report": result.report.as_dict(),
             },
-            f"{self.out}: {trajectory.duration_s:.1f} s for {robot.title}",
+            f"{self.out}: {trajectory.duration_s:.1f} s for {robot.title}, standing at both ends",
         )
         return 0

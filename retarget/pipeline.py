@@ -1,5 +1,6 @@
 """From a human motion to a robot's trajectory: align, scale, plan footsteps, solve, balance, report."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Literal
@@ -25,6 +26,9 @@ from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
 
 BALANCE_PASSES = 3
+
+Progress = Callable[[float], None]
+"""Is told the share of the work that is done, 0 to 1."""
 
 SolverName = Literal["clip", "frames"]
 Unsolved = tuple[tuple[int, int], ...]
@@ -65,7 +69,14 @@ class Retargeter:
         self.preparation_s = perf_counter() - started
 
     def retarget(
-        self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True, most_stride: float = 1.0
+        self,
+        motion: HumanMotion,
+        *,
+        fps: float = 50.0,
+        balance: bool = True,
+        keep_timing: bool = False,
+        most_stride: float = 1.0,
+        progress: Progress | None = None,
     ) -> RetargetResult:
         """See `retarget`; strides are no longer than `most_stride` of the human's at the robot's size."""
         if not (np.isfinite(fps) and fps > 0):
@@ -73,18 +84,20 @@ class Retargeter:
         times = {"prepare": self.preparation_s}
         started = perf_counter()
         clip = align(motion)
-        timeline, targets, stride, slowdown = self._targets(clip, fps, most_stride)
+        timeline, targets, stride, slowdown = self._targets(clip, fps, keep_timing=keep_timing, most_stride=most_stride)
+        passes = _Passes(progress, 1 + BALANCE_PASSES * (balance and not self._geometry.held))
         times["targets"] = perf_counter() - started
         started = perf_counter()
         planned = targets.soles
-        targets, solution, unsolved = self._solve(targets)
+        targets, solution, unsolved = self._solve(targets, passes)
         failures = {"frame": self._frames.program.failed, "balance": 0}
         times["solve"] = perf_counter() - started
         excess = None
         if balance and not self._geometry.held:
             started = perf_counter()
-            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures)
+            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures, passes)
             times["balance"] = perf_counter() - started
+        passes.finish()
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
             report=make_report(
@@ -96,38 +109,43 @@ class Retargeter:
                 zmp_excess=excess,
                 stride_scale=stride,
                 slowdown=slowdown,
+                human_s=clip.duration_s,
                 timings_s=times,
             ),
             human_s=timeline.human_s,
         )
 
-    def _targets(self, clip: HumanClip, fps: float, most_stride: float) -> tuple[Timeline, Targets, float, float]:
+    def _targets(
+        self, clip: HumanClip, fps: float, *, keep_timing: bool, most_stride: float
+    ) -> tuple[Timeline, Targets, float, float]:
         """Timeline and targets, and by how much strides were shortened and the motion slowed down for them."""
-        geometry = self._geometry
+        geometry, pace = self._geometry, own_pace(clip)
         if geometry.held:
-            timeline = plan_timeline(own_pace(clip), fps)
+            timeline = plan_timeline(pace, fps)
             return timeline, held_targets(clip, geometry, timeline), 1.0, 1.0
         stride = min(stride_share(clip, geometry), most_stride)
-        pace = walking_pace(
-            clip,
-            geometry.hip_height,
-            leg_speed=leg_speed(geometry),
-            scale=stride * geometry.hip_height / clip.leg_length,
-        )
+        if not keep_timing:
+            scale = stride * geometry.hip_height / clip.leg_length
+            pace = walking_pace(clip, geometry.hip_height, leg_speed=leg_speed(geometry), scale=scale)
         timeline = plan_timeline(pace, fps)
         return timeline, make_targets(clip, geometry, timeline, stride), stride, pace.slowdown
 
-    def _solve(self, targets: Targets) -> tuple[Targets, Solution, Unsolved]:
+    def _solve(self, targets: Targets, passes: "_Passes") -> tuple[Targets, Solution, Unsolved]:
         """Targets with the footholds that were reached, a solution, and the frames that could not be improved."""
         solution = self._frames.solve(targets)
         if self._clip is None:
             return targets, solution, ()
         targets = latch(self._geometry, targets, solution.qpos)
-        found = self._clip.solve(targets, solution.qpos)
+        found = self._clip.solve(targets, solution.qpos, solved=passes.next())
         return targets, found.solution, found.unsolved
 
     def _balanced(
-        self, targets: Targets, solution: Solution, unsolved: Unsolved, failures: dict[str, int]
+        self,
+        targets: Targets,
+        solution: Solution,
+        unsolved: Unsolved,
+        failures: dict[str, int],
+        passes: "_Passes",
     ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
 
@@ -156,7 +174,7 @@ class Retargeter:
                 solution = self._frames.solve(shifted, com)
                 failures["frame"] += self._frames.program.failed
             else:
-                found = self._clip.solve(shifted, solution.qpos, com)
+                found = self._clip.solve(shifted, solution.qpos, com, solved=passes.next())
                 solution, unsolved = found.solution, found.unsolved
                 longest = min(longest / 2, LONGEST_SHIFT * geometry.limb_length) if unsolved else longest
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
@@ -185,6 +203,8 @@ def retarget(
     fps: float = 50.0,
     balance: bool = True,
     solver: SolverName = "clip",
+    keep_timing: bool = False,
+    progress: Progress | None = None,
 ) -> RetargetResult:
     """Make a robot's trajectory of a human motion.
 
@@ -198,13 +218,36 @@ def retarget(
         balance: shift the body so that the ZMP stays over the feet. Flight (a jump) has no support to keep it in: the
             body then only moves on at constant velocity, and whether the robot lands is for physics to say.
         solver: see `Retargeter`.
+        keep_timing: keep the human's pace also where a step leaves the robot no time to shift its weight.
+        progress: is told how much is done.
 
     Raises:
         InvalidOption: `fps` is not a positive number.
         UnsupportedModel: the robot's model lacks something that retargeting needs.
         SolverFailed: not even a first pose was found.
     """
-    return Retargeter(robot, solver).retarget(motion, fps=fps, balance=balance)
+    return Retargeter(robot, solver).retarget(
+        motion, fps=fps, balance=balance, keep_timing=keep_timing, progress=progress
+    )
+
+
+class _Passes:
+    """Shares of passes over a clip as shares of all of them; fewer may be needed than were expected."""
+
+    def __init__(self, progress: Progress | None, expected: int) -> None:
+        self._progress, self._expected, self._done = progress, expected, -1
+
+    def next(self) -> Progress:
+        """What the next pass is to be told its share by."""
+        self._done += 1
+        return lambda share: self._tell((self._done + share) / self._expected)
+
+    def finish(self) -> None:
+        self._tell(1.0)
+
+    def _tell(self, share: float) -> None:
+        if self._progress is not None:
+            self._progress(share)
 
 
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:

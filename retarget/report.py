@@ -13,6 +13,9 @@ from retarget.solve.limits import active_limits
 from retarget.solve.solution import Solution
 from ros_free_stack.messages import Floats
 
+WORTH_A_WORD = 0.02
+"""Changes of pace and stride that are smaller than this share go without a word."""
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -50,6 +53,7 @@ class RetargetReport:
         flight_s: time without any foot on the floor; the balance pass leaves it as it is.
         stride_scale: travel over the floor, over that of the human at the robot's size; 1 where nothing was shortened.
         slowdown: time of the motion over the human's; 1 where nothing was slowed down.
+        human_s: the human's time.
         unsolved_s: stretches (start, end) that the whole-clip solver left as they were before, as it found no better
             trajectory there; their limits hold all the same.
         solver_failures: quadratic programs without a solution: of a `frame`, which then goes on as the last one, and of
@@ -67,11 +71,25 @@ class RetargetReport:
     flight_s: float
     stride_scale: float
     slowdown: float
+    human_s: float
     unsolved_s: tuple[tuple[float, float], ...] = ()
     solver_failures: dict[str, int] = field(default_factory=dict[str, int])
     zmp_outside_cm: dict[str, Spread] | None = None
     zmp_outside_share: dict[str, float] | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
+
+    def changes(self) -> tuple[str, ...]:
+        """One line for each change of pace and stride, with what undoes it."""
+        lines: tuple[str, ...] = ()
+        if self.slowdown > 1 + WORTH_A_WORD:
+            robot_s = self.slowdown * self.human_s
+            lines += (
+                f"pace: {self.human_s:.1f} s of the person take the robot {robot_s:.1f} s, as its steps need time to "
+                "shift the weight (--keep-timing keeps the person's pace)",
+            )
+        if self.stride_scale < 1 - WORTH_A_WORD:
+            lines += (f"stride: steps are {100 * self.stride_scale:.0f} % of the person's at the robot's size",)
+        return lines
 
     def failures(self) -> tuple[str, ...]:
         """One line for each kind of program that had no solution."""
@@ -93,6 +111,25 @@ def limb_errors(geometry: RobotGeometry, solution: Solution) -> dict[str, np.nda
     return errors | soles
 
 
+def limb_chain(geometry: RobotGeometry, limb: str) -> set[str]:
+    """The robot's joints that move a followed point or sole: those between it and the root.
+
+    The root itself is moved by the legs that it stands on.
+    """
+    soles = {f"{foot.name}_sole": foot.body for foot in geometry.feet}
+    model, root = geometry.model, int(geometry.model.body(geometry.robot.root_body).id)
+    ends = [(geometry.bodies | soles)[limb]]
+    if ends == [root]:
+        ends = list(soles.values())
+    above: set[int] = set()
+    for end in ends:
+        body = end
+        while body not in (0, root):
+            above.add(body)
+            body = int(model.body_parentid[body])
+    return {name for name in geometry.robot.joint_names if int(model.joint(name).bodyid[0]) in above}
+
+
 def make_report(
     geometry: RobotGeometry,
     targets: Targets,
@@ -100,6 +137,7 @@ def make_report(
     *,
     stride_scale: float,
     slowdown: float,
+    human_s: float,
     unsolved: tuple[tuple[int, int], ...],
     solver_failures: dict[str, int],
     zmp_excess: dict[str, Floats] | None,
@@ -118,6 +156,7 @@ def make_report(
         flight_s=0.0 if geometry.held else float((~targets.contacts.any(axis=1)).sum()) / targets.fps,
         stride_scale=stride_scale,
         slowdown=slowdown,
+        human_s=human_s,
         unsolved_s=tuple((start / targets.fps, end / targets.fps) for start, end in unsolved),
         solver_failures=solver_failures,
         zmp_outside_cm=None if zmp_excess is None else {when: _spread_cm(e) for when, e in zmp_excess.items()},
@@ -139,12 +178,13 @@ def _tracking_errors(
     limits = active_limits(geometry.robot, solution.qpos[:, geometry.qpos_index], targets.fps)
     found: list[TrackingError] = []
     for limb, error in errors.items():
+        chain = limb_chain(geometry, limb)
         for start, end in runs(error > threshold):
             held = {kind: np.asarray(at[start:end].any(axis=0)) for kind, at in limits.items()}
             joints = {
                 name: tuple(kind for kind in held if held[kind][j])
                 for j, name in enumerate(geometry.robot.joint_names)
-                if any(at[j] for at in held.values())
+                if name in chain and any(at[j] for at in held.values())
             }
             worst = 100 * float(error[start:end].max())
             found.append(TrackingError(limb, start / targets.fps, end / targets.fps, worst, joints))

@@ -2,8 +2,9 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Annotated, Any, TypeVar
 
 import tyro
@@ -39,6 +40,22 @@ class Command:
 def say(message: str) -> None:
     """One line for a person, on stderr so that stdout stays clean."""
     print(message, file=sys.stderr, flush=True)
+
+
+def time_left(work: str, every_s: float = 5.0) -> Callable[[float], None]:
+    """What is to be told the share of a work that is done; says every few seconds how long it will still take."""
+    started = last = perf_counter()
+
+    def tell(share: float) -> None:
+        nonlocal last
+        now = perf_counter()
+        if 0 < share < 1 and now - last >= every_s:
+            last = now
+            minutes, seconds = divmod(round((now - started) * (1 - share) / share), 60)
+            left = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+            say(f"{work}: {100 * share:.0f} % done, about {left} left")
+
+    return tell
 
 
 def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

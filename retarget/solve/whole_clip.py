@@ -6,6 +6,7 @@ optimization", chapters 15 and 18). It starts from the frame solver's trajectory
 are linear in the joints, and so every later trajectory keeps them too, wherever the iteration ends.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,7 +60,13 @@ class ClipSolver:
         self._couplings = joint_couplings(geometry.model)
 
     def solve(
-        self, targets: Targets, start: Floats, com: Floats | None = None, stretches: list[Stretch] | None = None
+        self,
+        targets: Targets,
+        start: Floats,
+        com: Floats | None = None,
+        stretches: list[Stretch] | None = None,
+        *,
+        solved: Callable[[float], None] | None = None,
     ) -> ClipSolution:
         """Improve a clip of N frames, from rest to rest.
 
@@ -68,14 +75,18 @@ class ClipSolver:
             start: (N, nq) trajectory to start from, inside the limits.
             com: (N, 2) centre of mass to follow over the floor.
             stretches: what to solve one after the other; overlapping windows by default.
+            solved: is told the share of the stretches that are solved, after each.
         """
         qpos, unsolved = start.copy(), list[tuple[int, int]]()
-        for stretch in windows(len(qpos)) if stretches is None else stretches:
+        stretches = windows(len(qpos)) if stretches is None else stretches
+        for done, stretch in enumerate(stretches, start=1):
             better = self._improved(ClipProblem(self._model, targets, com, stretch), qpos)
             if better is None:
                 unsolved.append((stretch.start, stretch.end))
             else:
                 qpos[stretch.frames] = better
+            if solved is not None:
+                solved(done / len(stretches))
         for configuration in qpos:
             settle(self._geometry.model, self._couplings, configuration)
         return ClipSolution(self._measured(qpos, targets), tuple(unsolved))

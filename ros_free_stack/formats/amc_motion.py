@@ -5,10 +5,10 @@ from typing import Final
 
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.asf_amc import positions, read_amc, read_asf
-from ros_free_stack.formats.bvh_motion import known_skeleton
-from ros_free_stack.formats.frames import from_y_up, stand
+from ros_free_stack.formats.person import Habits, person_source
+from ros_free_stack.formats.rigs import asf_skeleton
 from ros_free_stack.formats.skeleton_map import select
-from ros_free_stack.formats.source import Source, SourceOptions, human_source
+from ros_free_stack.formats.source import Source, SourceOptions
 
 CMU_FPS: Final = 120.0
 
@@ -23,11 +23,10 @@ def read(path: Path, options: SourceOptions) -> Source:
     """
     skeleton = read_asf(options.skeleton or _beside(path))
     points = positions(skeleton, read_amc(path, skeleton))
-    family, notes = known_skeleton(path, skeleton.names, options.mapping)
-    if options.source_fps is None:
-        notes += (f"AMC states no frame rate: {CMU_FPS:g} assumed, CMU's (--source-fps)",)
-    joints = stand(from_y_up(select(skeleton.names, points, family.weights)))
-    return human_source(path, joints, options.source_fps or CMU_FPS, notes)
+    family, notes = asf_skeleton(path, skeleton.names, options.mapping)
+    joints = select(skeleton.names, points, family.weights)
+    habits = Habits(title=family.name, up="y", units="m", fps=CMU_FPS)
+    return person_source(path, joints, options, habits, fps=None, notes=notes)
 
 
 def _beside(path: Path) -> Path:

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.source import LARGEST
+from ros_free_stack.formats.text import read_text
 
 Floats = NDArray[np.float64]
 
@@ -76,7 +78,7 @@ def read_amc(path: Path, skeleton: AsfSkeleton) -> dict[str, Floats]:
     Raises:
         InvalidFile: the file is missing, truncated or malformed, or belongs to another skeleton.
     """
-    text = _text(path)
+    text = read_text(path)
     start = re.search(r"^[ \t]*\d+\s*$", text, re.MULTILINE)
     if start is None:
         raise InvalidFile(path, "no frames (truncated?)")
@@ -98,7 +100,7 @@ def read_amc(path: Path, skeleton: AsfSkeleton) -> dict[str, Floats]:
         sound = names == bones * frames and bool((np.diff(table[:, 0]) == 1).all())
     except ValueError:
         sound, table = False, np.empty((0, 0))
-    if not sound or not np.isfinite(table).all():
+    if not sound or not (np.abs(table) <= LARGEST).all():
         raise _fault(path, body, first_line, dict(zip(bones, widths, strict=True)))
     motion = dict(zip(bones, np.split(table[:, 1:], np.cumsum(widths)[:-1], axis=1), strict=True))
     return {
@@ -132,13 +134,6 @@ def positions(skeleton: AsfSkeleton, motion: dict[str, Floats]) -> Floats:
 Lines = list[tuple[int, list[str]]]
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="latin-1")
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-
-
 def _number(path: Path, line: int, word: str) -> float:
     if not _finite([word]):
         raise InvalidFile(path, f"line {line}: expected a number, found {word!r}")
@@ -152,7 +147,7 @@ def _euler(degrees: Sequence[float]) -> Rotation:
 def _sections(path: Path) -> dict[str, Lines]:
     sections: dict[str, Lines] = {}
     lines: Lines = []
-    for number, line in enumerate(_text(path).splitlines(), start=1):
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
         words = line.split("#")[0].split()
         if words and words[0].startswith(":"):
             lines = sections.setdefault(words[0][1:].lower(), [])
@@ -254,6 +249,6 @@ def _fault(path: Path, body: str, first_line: int, widths: dict[str, int]) -> In
 
 def _finite(words: list[str]) -> bool:
     try:
-        return bool(np.isfinite([float(word) for word in words]).all())
+        return all(abs(float(word)) <= LARGEST for word in words)
     except ValueError:
         return False

@@ -1,22 +1,24 @@
-"""Biovision hierarchies (BVH).
+"""Biovision hierarchies (BVH): what such a file says, where its joints are, and writing one.
 
 Rotations apply from left to right in the order of the channels; position channels stand in place of the offset, as
 the programs that write such files (MotionBuilder, Blender) mean them.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
-from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import write_text
 
 Floats = NDArray[np.float64]
 
-_CHANNELS = {f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+PULLED_OUT: Final = 0.3
+"""Position channels that are shorter than this share of a joint's offset are no places but changes of them."""
 
 
 @dataclass(frozen=True)
@@ -31,54 +33,33 @@ class Joint:
 
 @dataclass(frozen=True)
 class Bvh:
-    """A BVH file: joints, parents first, and (T, channels) values in the file's unit and in degrees."""
+    """A BVH file: joints, parents first, and (T, channels) values in the file's unit and in degrees.
+
+    The rate is 0 where the file states none that is positive; `notes` say in words what its reader had to decide.
+    """
 
     joints: tuple[Joint, ...]
     values: Floats
     fps: float
+    notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
 
 
-def read_bvh(path: Path) -> Bvh:
-    """Read a file.
-
-    Raises:
-        InvalidFile: the file is missing, truncated or malformed; the message names the line.
-    """
-    try:
-        lines = path.read_text(encoding="latin-1").splitlines()
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-    motion = next((i for i, line in enumerate(lines) if line.strip() == "MOTION"), None)
-    if motion is None:
-        raise InvalidFile(path, "no line 'MOTION' (truncated?)")
-    joints = _hierarchy(path, lines[:motion])
-    count = round(_header(path, lines, motion + 1, "Frames:"))
-    frame_time = _header(path, lines, motion + 2, "Frame Time:")
-    if count < 1 or frame_time <= 0:
-        raise InvalidFile(path, f"line {motion + 2}: {count} frames of {frame_time} s")
-    width = sum(len(joint.channels) for joint in joints)
-    first = motion + 3
-    try:
-        values = np.array(" ".join(lines[first:]).split(), dtype=np.float64).reshape(count, width)
-    except ValueError:
-        raise _fault(path, lines, first, count, width) from None
-    if not np.isfinite(values).all():
-        raise _fault(path, lines, first, count, width)
-    return Bvh(tuple(joints), values, 1 / frame_time)
-
-
-def positions(bvh: Bvh) -> Floats:
-    """(T, J, 3) positions of all joints and end sites, in the file's frame and unit."""
+def positions(bvh: Bvh, only: Sequence[int] | None = None) -> Floats:
+    """(T, J, 3) positions of all joints and end sites, or of some by their number, in the file's frame and unit."""
     frames, column = len(bvh.values), 0
-    turns: list[Floats] = []
-    points = np.zeros((frames, len(bvh.joints), 3))
+    wanted = range(len(bvh.joints)) if only is None else only
+    needed = _with_parents(bvh, wanted)
+    turns: dict[int, Floats] = {}
+    points: dict[int, Floats] = {}
     for i, joint in enumerate(bvh.joints):
         values = bvh.values[:, column : column + len(joint.channels)]
         column += len(joint.channels)
+        if i not in needed:
+            continue
         offset = np.tile(joint.offset, (frames, 1))
         turning = [k for k, channel in enumerate(joint.channels) if channel.endswith("rotation")]
         for k, channel in enumerate(joint.channels):
@@ -89,13 +70,54 @@ def positions(bvh: Bvh) -> Floats:
             order = "".join(joint.channels[k][0] for k in turning)
             turn = Rotation.from_euler(order, values[:, turning], degrees=True).as_matrix()
         if joint.parent < 0:
-            points[:, i] = offset
-            turns.append(turn)
+            points[i], turns[i] = offset, turn
             continue
         base = turns[joint.parent]
-        points[:, i] = points[:, joint.parent] + (base @ offset[..., None])[..., 0]
-        turns.append(base @ turn)
-    return points
+        points[i] = points[joint.parent] + (base @ offset[..., None])[..., 0]
+        turns[i] = base @ turn
+    return np.stack([points[i] for i in wanted], axis=1)
+
+
+def _with_parents(bvh: Bvh, joints: Iterable[int]) -> set[int]:
+    """The joints and all above them."""
+    needed: set[int] = set()
+    for joint in joints:
+        above = joint
+        while above >= 0 and above not in needed:
+            needed.add(above)
+            above = bvh.joints[above].parent
+    return needed
+
+
+def with_offsets(bvh: Bvh) -> Bvh:
+    """The file with its position channels in place of the offsets, also where they were meant to be added to these.
+
+    Some programs give every joint position channels and leave them at zero, or write only how far a joint is pulled
+    out of its place. Channels in place of the offsets are about as long as these.
+    """
+    shares: dict[int, float] = {}
+    columns: dict[int, list[int]] = {}
+    column = 0
+    for i, joint in enumerate(bvh.joints):
+        places = [column + k for k, name in enumerate(joint.channels) if name.endswith("position")]
+        column += len(joint.channels)
+        length = float(np.linalg.norm(joint.offset))
+        if joint.parent >= 0 and len(places) == 3 and length > 0:
+            columns[i] = places
+            shares[i] = float(np.median(np.linalg.norm(bvh.values[:, places], axis=1))) / length
+    added = [i for i, places in columns.items() if not bvh.values[:, places].any()]
+    how = "are zero: its offset stands"
+    if len(added) < len(shares) and float(np.median(list(shares.values()))) <= PULLED_OUT:
+        added, how = list(columns), "are far shorter than its offset: they are added to it"
+    if not added:
+        return bvh
+    values = np.array(bvh.values)
+    for i in added:
+        joint = bvh.joints[i]
+        axes = ["XYZ".index(name[0]) for name in joint.channels if name.endswith("position")]
+        values[:, columns[i]] += joint.offset[axes]
+    which = "each joint" if len(added) == len(columns) else ", ".join(bvh.joints[i].name for i in added[:8])
+    return replace(bvh, values=values, notes=(*bvh.notes, f"the position channels of {which} {how}"))
 
 
 def write_bvh(path: Path, bvh: Bvh) -> None:
@@ -119,72 +141,3 @@ def write_bvh(path: Path, bvh: Bvh) -> None:
 
 def _numbers(values: Floats) -> str:
     return " ".join(f"{value:.6f}" for value in values)
-
-
-def _header(path: Path, lines: list[str], i: int, key: str) -> float:
-    line = lines[i].strip() if i < len(lines) else ""
-    try:
-        value = float(line.removeprefix(key)) if line.startswith(key) else np.nan
-        if not np.isfinite(value):
-            raise ValueError
-    except ValueError:
-        raise InvalidFile(path, f"line {i + 1}: expected '{key} NUMBER', found {line[:60]!r}") from None
-    return value
-
-
-def _hierarchy(path: Path, lines: list[str]) -> list[Joint]:
-    joints: list[Joint] = []
-    stack: list[int] = []
-    names: list[str] = []
-    for number, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words or words[0] in ("HIERARCHY", "{"):
-            continue
-        if words[0] in ("ROOT", "JOINT") and len(words) > 1:
-            names.append(words[1])
-        elif words[0] == "End" and stack:
-            names.append(f"{joints[stack[-1]].name}_end")
-        elif words[0] == "OFFSET" and names and len(words) == 4:
-            offset = np.array([_number(path, number, word) for word in words[1:]])
-            joints.append(Joint(names.pop(), stack[-1] if stack else -1, offset, ()))
-            stack.append(len(joints) - 1)
-        elif words[0] == "CHANNELS" and stack and _are_channels(words[1:]):
-            last = joints[stack[-1]]
-            joints[stack[-1]] = Joint(last.name, last.parent, last.offset, tuple(words[2:]))
-        elif words[0] == "}" and stack:
-            stack.pop()
-        else:
-            raise InvalidFile(path, f"line {number}: unexpected {line.strip()[:60]!r}")
-    if stack or not joints:
-        raise InvalidFile(path, f"line {len(lines)}: the hierarchy is not closed (truncated?)")
-    return joints
-
-
-def _are_channels(words: list[str]) -> bool:
-    """Whether these are a count and as many channels, none of them twice."""
-    return bool(words) and words[0] == str(len(set(words[1:]) & _CHANNELS)) == str(len(words) - 1)
-
-
-def _number(path: Path, line: int, word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InvalidFile(path, f"line {line}: expected a finite number, found {word!r}")
-    return value
-
-
-def _fault(path: Path, lines: list[str], first: int, count: int, width: int) -> InvalidFile:
-    """The error that names the first frame that is not `width` finite numbers."""
-    rows = 0
-    for number, line in enumerate(lines[first:], start=first + 1):
-        words = line.split()
-        if not words:
-            continue
-        rows += 1
-        if len(words) != width:
-            return InvalidFile(path, f"line {number}: expected {width} numbers, found {len(words)}")
-        for word in words:
-            _number(path, number, word)
-    return InvalidFile(path, f"line {len(lines)}: expected {count} frames, found {rows}")

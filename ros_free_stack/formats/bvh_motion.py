@@ -1,9 +1,7 @@
 """Human motion in and out of BVH files.
 
 Reading: the skeleton is known by its joints' names, or by a mapping of the user's. BVH states neither its unit nor
-which way is up. The unit is the one in which thigh and shin together measure 0.55 to 1.15 m, as every grown person's
-do; among the five units in use no two fit one length. Up is y or z, whichever the mean way from ankles to head clearly
-goes along; where that is not clear, as in files of that skeleton usually.
+which way is up: both are told by the person.
 
 Writing: y up, centimetres, 22 joints, the first frame as rest pose. Where the lengths of bones vary so much that
 turning rigid bones would miss a joint by more than 0.05 mm, every joint gets position channels too.
@@ -17,26 +15,17 @@ from typing import Final
 import numpy as np
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
-from ros_free_stack.coherence import leg_length
-from ros_free_stack.errors import InvalidFile, InvalidOption
-from ros_free_stack.formats.asf_amc import INCH
-from ros_free_stack.formats.bvh import Bvh, Joint, positions, read_bvh, write_bvh
-from ros_free_stack.formats.families import Family, bare, find_family
-from ros_free_stack.formats.frames import LEG_M, from_y_up, stand, to_y_up
-from ros_free_stack.formats.mapping import nearest_family, read_mapping, unknown_skeleton
+from ros_free_stack.formats.bvh import Bvh, Joint, positions, with_offsets, write_bvh
+from ros_free_stack.formats.bvh_reader import read_bvh
+from ros_free_stack.formats.frames import to_y_up
+from ros_free_stack.formats.joint_roles import Tree
+from ros_free_stack.formats.person import Habits, person_source
+from ros_free_stack.formats.rigs import skeleton_of
 from ros_free_stack.formats.skeleton_map import select
-from ros_free_stack.formats.source import Source, SourceOptions, Units, UpAxis, human_source
+from ros_free_stack.formats.source import Source, SourceOptions
+from ros_free_stack.formats.upright import standing_axis
 from ros_free_stack.messages import Floats, HumanMotion
-from ros_free_stack.skeleton import INDEX, JOINT_NAMES, PARENTS
-
-METRES: Final[dict[Units, float]] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": INCH, "cmu": INCH / 0.45}
-"""Metres a unit; `cmu` is the length unit of CMU's skeletons."""
-
-UPRIGHT: Final = 2.0
-"""How much further from ankles to head it must be along the up axis than along the other one."""
-
-ROUND_FPS: Final = 5e-4
-"""Frame times are rounded in files: a rate this close to a whole number is that number."""
+from ros_free_stack.skeleton import JOINT_NAMES, PARENTS
 
 RIGID_M: Final = 5e-5
 END: Final = 0.5
@@ -54,37 +43,29 @@ def read(path: Path, options: SourceOptions) -> Source:
         InvalidOption: unit or up axis cannot be told from the motion.
         UnknownName: the mapping names a joint that is not there.
     """
-    data = read_bvh(path)
-    names = bare(data.names)
-    family, notes = known_skeleton(path, names, options.mapping)
-    if len(data.values) <= family.lead:
-        raise InvalidFile(path, f"holds {len(data.values)} frames, the first {family.lead} of which are not captured")
-    if family.lead:
-        notes += (f"the first {family.lead} frames are no capture and left out",)
-    joints = select(names, positions(replace(data, values=data.values[family.lead :])), family.weights)
-    units = options.units or _guess_units(path, joints)
-    up = options.up or _guess_up(path, joints, family)
-    notes += (f"skeleton: {family.name}; lengths in {units}, {up} up",)
-    joints = METRES[units] * (from_y_up(joints) if up == "y" else joints)
-    if not family.placed:
-        _check_sides(path, joints)
-        joints = stand(joints)
-    fps = options.source_fps or data.fps
-    fps = float(round(fps)) if abs(fps - round(fps)) < ROUND_FPS * fps else fps
-    return human_source(path, joints, fps, notes)
+    data = with_offsets(read_bvh(path))
+    tree = Tree(
+        names=data.names,
+        parents=tuple(joint.parent for joint in data.joints),
+        lengths=tuple(float(np.linalg.norm(joint.offset)) for joint in data.joints),
+    )
+    (family, notes), joints = skeleton_of(path, tree, mapping=options.mapping, clip=options.clip)
+    needed = {name for blend in family.weights.values() for name in blend}
+    joints = [joint for joint in joints if data.names[joint] in needed]
+    names = [data.names[joint] for joint in joints]
 
+    def person(bvh: Bvh) -> Floats:
+        return select(names, positions(bvh, joints), family.weights)
 
-def known_skeleton(path: Path, names: tuple[str, ...], mapping: Path | None) -> tuple[Family, tuple[str, ...]]:
-    """The skeleton of a file by the user's mapping or by its joints' names, with what has to be said of it."""
-    if mapping is not None:
-        return read_mapping(mapping, names)
-    family = find_family(names)
-    if family is not None:
-        return family, ()
-    nearest = nearest_family(names)
-    if nearest is None:
-        raise unknown_skeleton(path, names)
-    return nearest
+    rest = standing_axis(person(replace(data, values=np.zeros((1, data.values.shape[1])))))
+    habits = Habits(
+        title=family.name,
+        up=family.up,
+        rest="y" if rest == "y" else "z" if rest == "z" else None,
+        stood=family.placed,
+        told=True,
+    )
+    return person_source(path, person(data), options, habits, fps=data.fps, notes=data.notes + notes)
 
 
 def write(path: Path, motion: HumanMotion) -> tuple[str, ...]:
@@ -110,38 +91,6 @@ def write(path: Path, motion: HumanMotion) -> tuple[str, ...]:
             skeleton.append(Joint(f"{JOINT_NAMES[joint]}_end", place[joint], END * offset, ()))
     write_bvh(path, Bvh(tuple(skeleton), np.concatenate(columns, axis=1), motion.fps))
     return () if rigid else ("bone lengths vary: every joint has position channels",)
-
-
-def _guess_units(path: Path, joints: Floats) -> Units:
-    length = leg_length(joints)
-    for unit, metres in METRES.items():
-        if LEG_M[0] <= metres * length <= LEG_M[1]:
-            return unit
-    raise InvalidOption(
-        "--units",
-        f"name the unit of {path} ({', '.join(METRES)}): its legs measure {length:.4g}, a person's in none of them",
-    )
-
-
-def _guess_up(path: Path, joints: Floats, family: Family) -> UpAxis:
-    """The axis that the person stands along; that of the skeleton's own files where the person only lies."""
-    ankles = joints[:, [INDEX["left_ankle"], INDEX["right_ankle"]]].mean(axis=1)
-    _, y, z = np.abs((joints[:, INDEX["head"]] - ankles).mean(axis=0))
-    if max(y, z) >= UPRIGHT * min(y, z):
-        return "y" if y > z else "z"
-    if family.up is None:
-        raise InvalidOption("--up", f"name the up axis of {path} (y or z): it cannot be told from how the person lies")
-    return family.up
-
-
-def _check_sides(path: Path, joints: Floats) -> None:
-    """InvalidFile where left and right are swapped: up, the way of the toes and left no longer make a right hand."""
-    across = joints[:, INDEX["left_hip"]] - joints[:, INDEX["right_hip"]]
-    up = joints[:, INDEX["neck"]] - joints[:, INDEX["pelvis"]]
-    feet, ankles = ([INDEX[f"{side}_{part}"] for side in ("left", "right")] for part in ("foot", "ankle"))
-    toes = (joints[:, feet] - joints[:, ankles]).sum(axis=1)
-    if np.sum(np.cross(up, toes) * across) < 0:
-        raise InvalidFile(path, "the toes point backwards: left and right are swapped")
 
 
 def _children(joint: int) -> list[int]:

@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import tyro
 
 from ros_free_stack.console import Command, say
-from ros_free_stack.formats.source import QuaternionOrder, SourceOptions, Units, UpAxis
+from ros_free_stack.formats.source import Angles, QuaternionOrder, SourceOptions, Units, UpAxis
 
 if TYPE_CHECKING:
     from ros_free_stack.formats.registry import Content
@@ -23,24 +22,50 @@ class ReadsMotion(Command):
     source_fps: float | None = None
     """Frames a second of the file, where it does not say or says wrong."""
     units: Units | None = None
-    """Unit of lengths in a BVH file; without it, the one that gives the legs a person's length."""
+    """Unit of lengths; without it, the one that gives the person a person's size."""
+    height: float | None = None
+    """Height of the person in m, where lengths are in no known unit."""
     up: UpAxis | None = None
-    """Up axis of a BVH file; without it, the one that the person stands along."""
+    """Up axis of human motion; without it, the one that the person stands along."""
     mapping: Path | None = None
     """YAML file that maps the joints of an unknown skeleton; the error about one shows how to write it."""
     skeleton: Path | None = None
     """Skeleton of a motion without one: SMPL model .npz or rest joints .json (AMASS, PHC), .asf (AMC)."""
     clip: str | None = None
-    """Which clip of a file that holds several."""
+    """Which clip or skeleton of a file that holds several."""
+    start: float | None = None
+    """Take the motion from this time on, in s from the file's first frame."""
+    end: float | None = None
+    """Take the motion up to this time."""
 
-    def source_options(self, **others: str | None) -> SourceOptions:
+    def source_options(self, **others: Any) -> SourceOptions:
         """The options for the readers; `others` are those that not every command has."""
         names = {item.name for item in fields(SourceOptions)} & {item.name for item in fields(ReadsMotion)}
         return SourceOptions(**{name: getattr(self, name) for name in names}, **others)  # pyright: ignore[reportArgumentType]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Convert(ReadsMotion):
+class ReadsMotionOrRobot(ReadsMotion):
+    """What a user can say of a file that may hold a robot's trajectory."""
+
+    robot: str | None = None
+    """Robot of a trajectory that does not name its own (csv, pickles, arrays)."""
+    quaternion: QuaternionOrder | None = None
+    """Order of quaternions, where nothing in the file tells it."""
+    angles: Angles | None = None
+    """Unit of a robot's joint angles; without it rad, where that can be."""
+    floor: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Lower or raise a robot's trajectory so that its lowest sole stands on the floor."""
+
+    def source_options(self, **others: Any) -> SourceOptions:
+        """The options for the readers."""
+        return super().source_options(
+            robot=self.robot, quaternion=self.quaternion, angles=self.angles, floor=self.floor or None, **others
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convert(ReadsMotionOrRobot):
     """Convert a motion file: human motion to human motion, robot trajectory to robot trajectory.
 
     Examples:
@@ -61,22 +86,18 @@ class Convert(ReadsMotion):
     """Format to write, where the suffix does not tell: `mjlab` for its .npz, `kimodo-csv` for quaternions wxyz."""
     fps: float | None = None
     """Frames a second to write; without it those of the source, or the format's own."""
-    robot: str | None = None
-    """Robot of a trajectory that does not name its own (csv, pickles)."""
-    quaternion: QuaternionOrder | None = None
-    """Order of quaternions in a csv, which nothing in the file tells."""
 
     def run(self) -> int:
         """Read, resample on request, write, and say what had to be assumed."""
-        from ros_free_stack.errors import InvalidOption
         from ros_free_stack.files import make_folder
+        from ros_free_stack.formats.rates import check_rate
         from ros_free_stack.formats.registry import load, output_format, save
         from ros_free_stack.messages import HumanMotion
 
-        if self.fps is not None and not (np.isfinite(self.fps) and self.fps > 0):
-            raise InvalidOption("--fps", f"expected a positive number, found {self.fps}")
+        if self.fps is not None:
+            check_rate("--fps", self.fps)
         target = output_format(self.out, self.to)
-        source = load(self.source, self.source_options(robot=self.robot, quaternion=self.quaternion), self.format)
+        source = load(self.source, self.source_options(), self.format)
         for note in source.notes:
             say(note)
         content = source.content
@@ -96,7 +117,7 @@ class Convert(ReadsMotion):
 
 def _resampled(content: "Content", fps: float) -> "Content":
     from ros_free_stack.formats.frames import resample
-    from ros_free_stack.formats.robot_source import resample_trajectory
+    from ros_free_stack.formats.robot_resample import resample_trajectory
     from ros_free_stack.messages import HumanMotion
 
     if isinstance(content, HumanMotion):

@@ -14,16 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ros_free_stack.errors import InvalidFile, UnknownName
-from ros_free_stack.formats import asf_amc, bvh, skeleton_map
-from ros_free_stack.formats.bvh_motion import METRES
-from ros_free_stack.formats.families import CMU_LEAD
+from ros_free_stack.formats import asf_amc, bvh, bvh_reader, skeleton_map
 from ros_free_stack.formats.frames import from_y_up, put_on_floor
+from ros_free_stack.formats.stature import METRES
 from ros_free_stack.skeleton import FPS
 
 Floats = NDArray[np.float64]
 
 STRIDE = 6
 """Every sixth frame of CMU's 120 a second, as HumanML3D takes them."""
+
+CMU_LEAD = 7
+"""Frames at the start of the archive's BVH files that were not captured: a T-pose, and a smoothed way from it."""
 
 DAMAGED = frozenset({"09_10"})
 """Takes without a usable file: the conversion lost the height and the turning of the root."""
@@ -118,7 +120,7 @@ def _read_amc(path: Path) -> Floats:
 
 
 def _read_bvh(path: Path) -> Floats:
-    data = bvh.read_bvh(path)
+    data = bvh_reader.read_bvh(path)
     if round(data.fps) != round(STRIDE * FPS):
         raise InvalidFile(path, f"{data.fps:.1f} frames a second, CMU's recordings have {STRIDE * FPS:.0f}")
     if len(data.values) <= CMU_LEAD:

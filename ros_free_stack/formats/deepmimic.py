@@ -14,9 +14,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile
-from ros_free_stack.formats.frames import stand
+from ros_free_stack.formats.person import Habits, person_source
 from ros_free_stack.formats.skeleton_map import Weights, select, weights
-from ros_free_stack.formats.source import Source, SourceOptions, check_finite, human_source
+from ros_free_stack.formats.source import Source, SourceOptions, check_finite
 from ros_free_stack.messages import Floats
 
 _LIMBS: Final = (("hip", 4), ("knee", 1), ("ankle", 4), ("shoulder", 4), ("elbow", 1))
@@ -85,8 +85,8 @@ def read(path: Path, options: SourceOptions) -> Source:
         joints = (1 - part) * joints[before] + part * joints[before + 1]
         notes = (f"frames of unequal duration: resampled to {1 / step:.4g} fps, linearly",)
     joints = joints[..., (0, 2, 1)] * (1, -1, 1)
-    fps = options.source_fps or round(1 / step, 3)
-    return human_source(path, stand(joints), fps, notes)
+    habits = Habits(title="DeepMimic", up="z", units="m")
+    return person_source(path, joints, options, habits, fps=round(1 / step, 3), notes=notes)
 
 
 def _rows(path: Path) -> Floats:

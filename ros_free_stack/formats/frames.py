@@ -12,9 +12,6 @@ Floats = NDArray[np.float64]
 FLOOR_PERCENTILE = 2.0
 """The lowest joint touches the floor in at least this share of the frames: a few bad frames do not count."""
 
-LEG_M = (0.55, 1.15)
-"""Shortest and longest leg (thigh and shin) of grown people, m: tells a file's unit, or that it is no motion."""
-
 _LEFT = (INDEX["left_hip"], INDEX["left_shoulder"])
 _RIGHT = (INDEX["right_hip"], INDEX["right_shoulder"])
 
@@ -47,8 +44,12 @@ def blend(frames: int, *, fps: float, to: float) -> tuple[NDArray[np.intp], NDAr
 
 def put_on_floor(joints: Floats) -> Floats:
     """(T, J, 3) joints moved vertically so that the lowest of them stands at z = 0."""
-    lowest = joints[..., 2].min(axis=1)
-    return joints - (0.0, 0.0, float(np.percentile(lowest, FLOOR_PERCENTILE)))
+    return joints - (0.0, 0.0, floor_height(joints))
+
+
+def floor_height(joints: Floats) -> float:
+    """Where the lowest of (T, J, 3) joints stands, z up."""
+    return float(np.percentile(joints[..., 2].min(axis=1), FLOOR_PERCENTILE))
 
 
 def face_forward(points: Floats, *, left: Sequence[int] = _LEFT, right: Sequence[int] = _RIGHT) -> Floats:

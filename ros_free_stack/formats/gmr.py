@@ -12,10 +12,11 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile
 from ros_free_stack.files import atomic_path
-from ros_free_stack.formats.robot_source import robot_source
+from ros_free_stack.formats.robot_source import RobotArrays, robot_source
 from ros_free_stack.formats.safe_pickle import read_pickle
+from ros_free_stack.formats.smpl_poses import numbers, stated_rate
 from ros_free_stack.formats.source import Source, SourceOptions
-from ros_free_stack.messages import Floats, RobotTrajectory
+from ros_free_stack.messages import RobotTrajectory
 
 KEYS: Final = ("fps", "root_pos", "root_rot", "dof_pos")
 
@@ -31,16 +32,11 @@ def read(path: Path, options: SourceOptions) -> Source:
     if not isinstance(data, dict) or not data.keys() >= set(KEYS):
         raise InvalidFile(path, f"not a GMR motion; expected a dictionary with {', '.join(KEYS)}")
     entry = cast(dict[str, Any], data)
-    root_pos, root_quat, joint_pos = (array(path, entry, key) for key in KEYS[1:])
-    return robot_source(
-        path,
-        options,
-        fps=options.source_fps or rate(path, entry),
-        root_pos=root_pos,
-        root_quat=root_quat,
-        order="xyzw",
-        joint_pos=joint_pos,
+    root_pos, root_quat, joint_pos = (numbers(path, entry, key) for key in KEYS[1:])
+    arrays = RobotArrays(
+        root_pos=root_pos, root_quat=root_quat, order="xyzw", joint_pos=joint_pos, fps=stated_rate(path, entry)
     )
+    return robot_source(path, options, arrays)
 
 
 def write(path: Path, trajectory: RobotTrajectory) -> tuple[str, ...]:
@@ -56,19 +52,3 @@ def write(path: Path, trajectory: RobotTrajectory) -> tuple[str, ...]:
     with atomic_path(path) as temporary:
         temporary.write_bytes(pickle.dumps(data, protocol=4))
     return ()
-
-
-def array(path: Path, entry: dict[str, Any], key: str) -> Floats:
-    """An entry as an array of numbers, or InvalidFile."""
-    try:
-        return np.asarray(entry[key], dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidFile(path, f"{key} is no array of numbers ({error})") from None
-
-
-def rate(path: Path, entry: dict[str, Any]) -> float:
-    """The frame rate of an entry, or InvalidFile."""
-    values = array(path, entry, "fps").ravel()
-    if len(values) != 1 or not (np.isfinite(values[0]) and values[0] > 0):
-        raise InvalidFile(path, f"fps is {entry['fps']!r}, expected a positive number")
-    return float(values[0])

@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ros_free_stack.coherence import leg_length
 from ros_free_stack.errors import InvalidFile, UnknownName
 from ros_free_stack.formats.features import HUMANML3D, Skeleton, decode
-from ros_free_stack.formats.frames import LEG_M, from_y_up, stand
-from ros_free_stack.formats.source import Source, SourceOptions, human_source
+from ros_free_stack.formats.frames import from_y_up
+from ros_free_stack.formats.person import Habits, person_source
+from ros_free_stack.formats.source import Source, SourceOptions
+from ros_free_stack.formats.stature import TALL_M, stature
 from ros_free_stack.skeleton import FPS
 
 Floats = NDArray[np.float64]
@@ -91,24 +92,13 @@ def open_published(folder: Path, skeleton: Skeleton) -> PublishedDataset:
     return PublishedDataset(folder, skeleton)
 
 
-def read_joints(path: Path, options: SourceOptions) -> Source:
-    """The human motion in a `.npy` of (T, 22, 3) joints: m, y up, z forward, 20 fps."""
-    points = from_y_up(_array(path, (None, len(HUMANML3D.joints), 3)))
-    _check_size(path, points, "are the lengths in m?")
-    return human_source(path, stand(points), options.source_fps or FPS)
-
-
 def read_features(path: Path, options: SourceOptions) -> Source:
     """The human motion in a `.npy` of (T, 263) features that are not standardised, 20 fps."""
-    points = decode(_array(path, (None, HUMANML3D.width)))
-    _check_size(path, points, "are the features standardised?")
-    return human_source(path, points, options.source_fps or FPS)
-
-
-def _check_size(path: Path, joints: Floats, question: str) -> None:
-    length = leg_length(joints)
-    if not LEG_M[0] <= length <= LEG_M[1]:
-        raise InvalidFile(path, f"legs of {length:.3g} m, expected {LEG_M[0]} to {LEG_M[1]}; {question}")
+    joints = decode(_array(path, (None, HUMANML3D.width)))
+    if not TALL_M[0] <= (tall := stature(joints)) <= TALL_M[1]:
+        raise InvalidFile(path, f"the person is {tall:.3g} m tall; are the features standardised?")
+    habits = Habits(title="HumanML3D feature", up="z", units="m", fps=FPS, stood=True)
+    return person_source(path, joints, options, habits, fps=None)
 
 
 def _lines(path: Path) -> list[str]:

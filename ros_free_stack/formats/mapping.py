@@ -8,16 +8,17 @@ Joints of the trunk that the file lacks are interpolated; hips, knees, ankles, f
 be there, since nothing else says where limbs are.
 """
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any, Final, cast
 
 import yaml
 
 from ros_free_stack.errors import InvalidFile, UnknownName
-from ros_free_stack.formats.families import FAMILIES, Family
+from ros_free_stack.formats.families import ASF_FAMILIES, FAMILIES, Family, bare, prefixes
+from ros_free_stack.formats.text import read_text
 from ros_free_stack.skeleton import JOINT_NAMES
 
 _TRUNK: Final = {"pelvis": 0.0, "spine1": 0.22, "spine2": 0.48, "spine3": 0.60, "neck": 1.0}
@@ -37,6 +38,9 @@ _BEFORE: Final = {
 UNKNOWN: Final = "FILL_IN"
 """Stands in a proposed mapping for a joint that no name suggests."""
 
+SHOWN: Final = 200
+"""Names of joints that the template lists."""
+
 Blend = dict[str, float]
 
 
@@ -52,10 +56,8 @@ def read_mapping(path: Path, names: Sequence[str]) -> tuple[Family, tuple[str, .
         UnknownName: it names a joint that is not one of the 22, or one that the motion file lacks.
     """
     try:
-        data: object = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        data: object = yaml.safe_load(read_text(path))
+    except yaml.YAMLError as error:
         raise InvalidFile(path, f"not a YAML mapping ({' '.join(str(error).split())})") from None
     if not isinstance(data, dict):
         raise InvalidFile(path, "expected lines such as 'pelvis: Hips', one for each joint")
@@ -65,6 +67,10 @@ def read_mapping(path: Path, names: Sequence[str]) -> tuple[Family, tuple[str, .
             raise UnknownName(f"joint in {path}", str(joint), JOINT_NAMES)
         if source is not None:
             table[joint] = _blend(path, joint, source, names)
+    for first, second in combinations(table, 2):
+        if table[first] == table[second]:
+            same = ", ".join(table[first])
+            raise InvalidFile(path, f"{first} and {second} are both {same}: each joint plays one role")
     missing = [joint for joint in JOINT_NAMES if joint not in table]
     needed = [joint for joint in missing if joint not in _REPLACEABLE]
     if needed:
@@ -95,52 +101,83 @@ def complete(table: Mapping[str, Blend]) -> dict[str, Blend]:
     return full
 
 
-def nearest_family(names: Sequence[str]) -> tuple[Family, tuple[str, ...]] | None:
-    """The known skeleton that a file has but for some joints, and in words what stands in for them.
+def with_ends(table: dict[str, Blend], names: Sequence[str]) -> tuple[dict[str, Blend], tuple[str, ...]] | None:
+    """A table that lacks some joints, made whole, and in words what stands in; None where a limb's joint is missing.
 
     The end site of forearm, foot or neck stands in for a missing hand, toe or head; what else is missing must be of the
-    trunk. Of several skeletons the one counts that lacks least.
+    trunk.
+    """
+    notes: tuple[str, ...] = ()
+    whole = dict(table)
+    for joint, before in _BEFORE.items():
+        (name,) = whole.get(before, {}) if len(whole.get(before, {})) == 1 else ("",)
+        if joint not in whole and f"{name}_end" in names:
+            whole[joint] = {f"{name}_end": 1.0}
+            notes += (f"{joint}: {name}_end stands in",)
+    missing = [joint for joint in JOINT_NAMES if joint not in whole]
+    if not set(missing) <= set(_REPLACEABLE):
+        return None
+    return complete(whole), notes + _interpolated(missing)
+
+
+def nearest_family(
+    names: Sequence[str], families: Sequence[Family] = FAMILIES
+) -> tuple[Family, tuple[str, ...]] | None:
+    """The known skeleton that a file has but for some joints, and in words what stands in for them.
+
+    Of several skeletons the one counts that lacks least.
     """
     found: list[tuple[int, Family, tuple[str, ...]]] = []
-    for family in FAMILIES:
-        table = {joint: dict(blend) for joint, blend in family.weights.items() if set(blend) <= set(names)}
-        lacking = len(JOINT_NAMES) - len(table)
-        ends = {joint: f"{name}_end" for joint, before in _BEFORE.items() for name in family.weights[before]}
-        ends = {joint: end for joint, end in ends.items() if joint not in table and end in names}
-        table |= {joint: {end: 1.0} for joint, end in ends.items()}
-        missing = [joint for joint in JOINT_NAMES if joint not in table]
-        if set(missing) <= set(_REPLACEABLE) and set(family.marks) <= set(names):
-            notes = tuple(f"{joint}: {end} stands in" for joint, end in ends.items()) + _interpolated(missing)
-            found.append((lacking, replace(family, weights=complete(table)), notes))
+    for plain in families:
+        for family in (plain.with_prefix(prefix) for prefix in prefixes(plain, names)):
+            if not set(family.marks) <= set(names):
+                continue
+            table = {joint: dict(blend) for joint, blend in family.weights.items() if set(blend) <= set(names)}
+            whole = with_ends(table, names)
+            if whole is not None:
+                found.append((len(JOINT_NAMES) - len(table), replace(family, weights=whole[0]), whole[1]))
     _, family, notes = min(found, key=lambda item: item[0], default=(0, None, ()))
     return None if family is None else (family, notes)
 
 
-def template(names: Iterable[str]) -> str:
-    """A mapping to start from: each of the 22 joints with the joint of the file whose name suggests it."""
-    names = tuple(names)
-    lines = [f"{joint}: {_guess(joint, names)}" for joint in JOINT_NAMES]
-    return "\n".join([*lines, f"# joints of the file: {', '.join(names)}"])
+def template(names: Sequence[str], roles: Mapping[str, Blend]) -> str:
+    """A mapping to start from: each of the 22 joints with the joints of the file that surely play it."""
+    rows: list[str] = []
+    for joint in JOINT_NAMES:
+        blend = roles.get(joint)
+        if blend is None:
+            rows.append(f"{joint}: {'' if joint in _REPLACEABLE else UNKNOWN}".rstrip())
+        else:
+            single = len(blend) == 1
+            row = {joint: next(iter(blend)) if single else dict(blend)}
+            style = False if single else None
+            rows.append(yaml.safe_dump(row, allow_unicode=True, width=10**6, default_flow_style=style).strip())
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return "\n".join([*rows, f"# joints of the file: {', '.join(names[:SHOWN])}{more}"])
 
 
-def unknown_skeleton(path: Path, names: Sequence[str]) -> InvalidFile:
+def unknown_skeleton(path: Path, names: Sequence[str], roles: Mapping[str, Blend]) -> InvalidFile:
     """The error that shows how to write a mapping."""
-    known = ", ".join(family.name for family in FAMILIES)
+    known = ", ".join(family.name for family in (*FAMILIES, *ASF_FAMILIES))
     return InvalidFile(
         path,
         f"its joints are those of no known skeleton ({known}); correct these lines, save them as mapping.yaml and "
-        f"add --mapping mapping.yaml:\n{template(names)}",
+        f"add --mapping mapping.yaml:\n{template(names, roles)}",
     )
 
 
 def _blend(path: Path, joint: str, source: object, names: Sequence[str]) -> Blend:
     items = cast(dict[Any, Any], source) if isinstance(source, dict) else {str(source): 1.0}
     blend: Blend = {}
-    for name, weight in items.items():
-        if str(name) not in names:
-            raise UnknownName(f"joint (for {joint} in {path})", str(name), names)
+    short = dict(zip(bare(names), names, strict=True))
+    for written, weight in items.items():
+        name = str(written) if str(written) in names else short.get(str(written), "")
+        if not name:
+            raise UnknownName(f"joint (for {joint} in {path})", str(written), names)
+        if list(names).count(name) > 1:
+            raise InvalidFile(path, f"{joint}: several joints of the file are named {name}")
         try:
-            blend[str(name)] = float(weight)
+            blend[name] = float(weight)
         except (TypeError, ValueError):
             raise InvalidFile(path, f"{joint}: the weight of {name} is {weight!r}, expected a number") from None
     if abs(sum(blend.values()) - 1) > 1e-6:
@@ -158,28 +195,3 @@ def _mix(*parts: tuple[Blend, float]) -> Blend:
         for name, weight in blend.items():
             mixed[name] = mixed.get(name, 0.0) + share * weight
     return mixed
-
-
-def _guess(joint: str, names: Sequence[str]) -> str:
-    """The file's joint that a known skeleton would use, by its name without case, marks and side."""
-    side, _, part = joint.partition("_") if "_" in joint else ("", "", joint)
-    known = {_plain(part)}
-    for family in FAMILIES:
-        blend = family.weights[joint]
-        known.update(_plain(_sided(name)[1]) for name in (blend if len(blend) == 1 else ()))
-    sided = {name: _plain(_sided(name)[1]) for name in names if _sided(name)[0] == side[:1]}
-    found = sorted((name for name in sided if sided[name] in known), key=lambda name: sided[name] != _plain(part))
-    return next(iter(found), "" if joint in _REPLACEABLE else UNKNOWN)
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.lower())
-
-
-def _sided(name: str) -> tuple[str, str]:
-    """The side of a joint name ("l", "r" or "") and the name without it: LeftArm, l_arm, lArm, arm.L."""
-    first = re.match(r"(?:(left|right)|([lr])(?=[A-Z_. -]))[_. -]*(.+)$", name[:1].lower() + name[1:])
-    if first:
-        return (first.group(1) or first.group(2))[0], first.group(3)
-    last = re.match(r"(.+?)[_. -](left|right|l|r)$", name.lower())
-    return (last.group(2)[0], last.group(1)) if last else ("", name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile, ModelMismatch
 from ros_free_stack.files import atomic_path
-from ros_free_stack.formats.robot_source import configurations
+from ros_free_stack.formats.robot_places import configurations
 from ros_free_stack.messages import Floats, RobotTrajectory
 from ros_free_stack.robot_model import joint_addresses, kinematic_model
 from ros_free_stack.robots import load_robot

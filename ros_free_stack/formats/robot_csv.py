@@ -1,7 +1,7 @@
-"""Robot trajectories as csv without header: a row a frame, root position (m), root quaternion, joint angles (rad).
+"""Robot trajectories as csv without names: a row a frame, root position, root quaternion, joint angles.
 
 Unitree's LAFAN1 retargeting writes quaternions xyzw, Kimodo writes MuJoCo's wxyz; both at 30 fps, and nothing in the
-files tells them apart. Joints come in the order of the robot's model.
+files tells them apart. Joints come in the order of the robot's model. A column of times may stand before.
 """
 
 from pathlib import Path
@@ -11,8 +11,10 @@ import numpy as np
 
 from ros_free_stack.errors import InvalidFile, InvalidOption
 from ros_free_stack.files import write_text
-from ros_free_stack.formats.robot_source import resample_trajectory, robot_source
+from ros_free_stack.formats.robot_resample import resample_trajectory
+from ros_free_stack.formats.robot_source import UNIT_NORM, RobotArrays, named_robot, robot_source
 from ros_free_stack.formats.source import QuaternionOrder, Source, SourceOptions
+from ros_free_stack.formats.tables import read_table, times_rate
 from ros_free_stack.messages import Floats, RobotTrajectory
 
 CSV_FPS: Final = 30.0
@@ -41,42 +43,25 @@ def write_kimodo(path: Path, trajectory: RobotTrajectory) -> tuple[str, ...]:
 def _read(path: Path, options: SourceOptions, order: QuaternionOrder) -> Source:
     if options.quaternion not in (None, order):
         raise InvalidOption("--quaternion", f"this format's order is {order}, found {options.quaternion}")
-    table = _table(path)
-    notes = () if options.source_fps else (f"csv states no frame rate: {CSV_FPS:g} assumed (--source-fps)",)
-    return robot_source(
-        path,
-        options,
-        fps=options.source_fps or CSV_FPS,
-        root_pos=table[:, :3],
-        root_quat=table[:, 3:7],
-        order=order,
-        joint_pos=table[:, 7:],
-        notes=notes,
+    table = read_table(path)
+    if table.names:
+        raise InvalidFile(path, "line 1: names of columns, expected numbers only; --format csv-names reads such files")
+    rows, fps, notes = table.rows, CSV_FPS, ()
+    if _has_times(rows, len(named_robot(path, options).joints)):
+        fps, rows, notes = times_rate(path, rows[:, 0]), rows[:, 1:], ("the first column is taken for times in s",)
+    elif options.source_fps is None:
+        notes = (f"csv states no frame rate: {CSV_FPS:g} assumed (--source-fps)",)
+    arrays = RobotArrays(
+        root_pos=rows[:, :3], root_quat=rows[:, 3:7], order=order, joint_pos=rows[:, 7:], fps=fps, notes=notes
     )
+    return robot_source(path, options, arrays)
 
 
-def _table(path: Path) -> Floats:
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InvalidFile(path, "is not text") from None
-    rows = [(number, line.split(",")) for number, line in enumerate(lines, start=1) if line.strip()]
-    if not rows:
-        raise InvalidFile(path, "no frames")
-    width = len(rows[0][1])
-    table = np.empty((len(rows), width))
-    for row, (number, words) in zip(table, rows, strict=True):
-        if len(words) != width:
-            raise InvalidFile(path, f"line {number}: expected {width} numbers, found {len(words)} (truncated?)")
-        try:
-            row[:] = [float(word) for word in words]
-        except ValueError as error:
-            raise InvalidFile(path, f"line {number}: {error}; expected numbers and no header") from None
-        if not np.isfinite(row).all():
-            raise InvalidFile(path, f"line {number}: a value that is not finite")
-    return table
+def _has_times(rows: Floats, joints: int) -> bool:
+    """Whether a column of times stands before a root and so many joints: it rises, and quaternions fit behind it."""
+    if rows.shape[1] != 8 + joints or len(rows) < 2 or not (np.diff(rows[:, 0]) > 0).all():
+        return False
+    return bool((np.abs(np.linalg.norm(rows[:, 4:8], axis=1) - 1) < UNIT_NORM).all())
 
 
 def _write(path: Path, trajectory: RobotTrajectory, order: QuaternionOrder) -> tuple[str, ...]:

@@ -24,15 +24,19 @@ class UnsafePickle(InvalidFile):
     """A pickle names something that is not plain data."""
 
 
-def read_pickle(path: Path) -> object:
+def read_pickle(path: Path, *, skip: int = 0) -> object:
     """What a pickle of plain data holds: dictionaries, lists, tuples, numpy arrays, numbers, text, None.
+
+    Args:
+        path: the file.
+        skip: bytes before the pickle, such as the header of a `.npy`.
 
     Raises:
         UnsafePickle: it names anything else; nothing of it was run.
         InvalidFile: it is missing, truncated or no pickle at all.
     """
     try:
-        data = path.read_bytes()
+        data = path.read_bytes()[skip:]
         if data[:1] == b"\x78":  # zlib's first byte; no pickle starts so
             data = zlib.decompress(data)
         stream = io.BytesIO(data)

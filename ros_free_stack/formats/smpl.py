@@ -18,8 +18,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
 
 from ros_free_stack.errors import InvalidFile, InvalidOption
+from ros_free_stack.formats.stature import stature
 from ros_free_stack.messages import Floats
 from ros_free_stack.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS
+
+REST_TALL_M = (0.4, 3.0)
+"""Statures of bodies at rest, from a small child to a giant, m."""
 
 _PARTS = ("J_regressor", "v_template", "shapedirs")
 
@@ -45,6 +49,9 @@ def rest_joints(motion: Path, skeleton: Path | None, betas: Floats) -> Floats:
     joints = _from_json(skeleton) if skeleton.suffix == ".json" else _from_model(skeleton, betas)
     if not np.isfinite(joints).all():
         raise InvalidFile(skeleton, "rest joints that are not finite")
+    tall = stature(joints[None])
+    if not REST_TALL_M[0] <= tall <= REST_TALL_M[1]:
+        raise InvalidFile(skeleton, f"rest joints of a person {tall:.3g} m tall: are they in m?")
     return joints
 
 

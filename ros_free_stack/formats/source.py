@@ -2,16 +2,17 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
-from ros_free_stack.errors import InvalidFile, InvalidMessage
+from ros_free_stack.errors import InvalidFile
 from ros_free_stack.messages import Floats, HumanMotion, RobotTrajectory
 
 Units = Literal["m", "cm", "mm", "inch", "cmu"]
-UpAxis = Literal["y", "z"]
+UpAxis = Literal["y", "z", "x", "y-down"]
 QuaternionOrder = Literal["xyzw", "wxyz"]
+Angles = Literal["rad", "deg"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,11 +22,16 @@ class SourceOptions:
     robot: str | None = None
     source_fps: float | None = None
     quaternion: QuaternionOrder | None = None
+    angles: Angles | None = None
+    floor: bool | None = None
     units: Units | None = None
+    height: float | None = None
     up: UpAxis | None = None
     mapping: Path | None = None
     skeleton: Path | None = None
     clip: str | None = None
+    start: float | None = None
+    end: float | None = None
 
 
 @dataclass(frozen=True)
@@ -36,16 +42,13 @@ class Source:
     notes: tuple[str, ...] = ()
 
 
-def human_source(path: Path, joints: Floats, fps: float, notes: tuple[str, ...] = ()) -> Source:
-    """A Source of (T, 22, 3) joints in m, z up; InvalidFile where they are no motion."""
-    try:
-        return Source(HumanMotion(joints=joints, fps=fps, source=path.name), notes)
-    except InvalidMessage as error:
-        raise InvalidFile(path, f"not a valid human motion: {error}") from None
+LARGEST: Final = 1e9
+"""No length or angle of a motion is larger, in whatever unit; squares of larger numbers leave what floats can hold."""
 
 
 def check_finite(path: Path, name: str, values: Floats) -> None:
-    """InvalidFile with the first frame of (T, ...) values that is not finite."""
-    bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
-    if bad.any():
-        raise InvalidFile(path, f"{name}: a value that is not finite at frame {int(np.flatnonzero(bad)[0])}")
+    """InvalidFile with the first frame of (T, ...) values that is not finite or beyond all measure."""
+    for bad, what in ((~np.isfinite(values), "not finite"), (np.abs(values) > LARGEST, f"larger than {LARGEST:g}")):
+        frames = bad.reshape(len(values), -1).any(axis=1)
+        if frames.any():
+            raise InvalidFile(path, f"{name}: a value that is {what} at frame {int(np.flatnonzero(frames)[0])}")

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from ros_free_stack.console import say
-from ros_free_stack.formats.cli import ReadsMotion
-from ros_free_stack.formats.source import QuaternionOrder
+from ros_free_stack.formats.cli import ReadsMotionOrRobot
 from ros_free_stack.interrupts import caught_interrupts
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Play(ReadsMotion):
+class Play(ReadsMotionOrRobot):
     """Show a motion: a robot's trajectory or human motion, in a window where there is a display, else in a browser.
 
     Play, pause, scrub, change the speed; contacts, ZMP and joints at their limits are marked. Ctrl-C ends it.
@@ -32,10 +31,6 @@ class Play(ReadsMotion):
 
     source: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """File to show: .npz, .npy, .bvh, .amc, .txt (DeepMimic), .pkl (GMR, PHC) or .csv."""
-    robot: str | None = None
-    """Robot of a trajectory that does not name its own (csv, pickles)."""
-    quaternion: QuaternionOrder | None = None
-    """Order of quaternions in a csv, which nothing in the file tells."""
     motion: Path | None = None
     """Human motion (.npz) to show beside a robot's trajectory."""
     physics: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -51,8 +46,7 @@ class Play(ReadsMotion):
         from ros_free_stack.formats.registry import load
         from ros_free_stack.messages import HumanMotion
 
-        options = self.source_options(robot=self.robot, quaternion=self.quaternion)
-        found = load(self.source, options, self.format)
+        found = load(self.source, self.source_options(), self.format)
         for note in found.notes:
             say(note)
         if isinstance(found.content, HumanMotion):

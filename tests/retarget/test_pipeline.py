@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from retarget.pipeline import Retargeter, RetargetResult
+from retarget.report import limb_chain
 from retarget.solve.frame_program import FrameProgram
 from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import HumanMotion
@@ -132,6 +133,46 @@ def test_out_of_reach_is_reported_and_stays_within_limits(retargeter, motions):
     assert kinds and kinds <= {"range", "speed", "acceleration"}
     assert "at the limit of" in str(max(result.report.tracking_errors, key=lambda entry: len(entry.joints)))
     test_keeps_every_joint_limit({"broken": result}, retargeter)
+
+
+def test_only_joints_of_the_limb_are_named_as_causes(retargeter, motions):
+    joints = np.array(motions["stand"].joints)
+    joints[:, INDEX["left_wrist"]] = joints[:, INDEX["left_elbow"]] + [-0.15, -0.2, 0.1]
+    joints[:, INDEX["right_knee"]] += [-0.6, 0, 0.2]
+    report = retargeter.retarget(HumanMotion(joints, 20.0), balance=False).report
+    model = kinematic_model(retargeter.robot)
+    sides = {"left": ("left", "l_"), "right": ("right", "r_")}
+    assert report.tracking_errors
+    for entry in (item for item in report.tracking_errors if item.limb != "pelvis"):
+        other = sides["right" if entry.limb.startswith("left") else "left"]
+        assert not any(name.startswith(other) for name in entry.joints), entry
+        arm = any(part in entry.limb for part in ("wrist", "elbow"))
+        legs = {name for name in entry.joints if any(part in name for part in ("hip", "knee", "ank"))}
+        assert not (arm and legs), entry
+    wrist = limb_chain(retargeter._geometry, "left_wrist")
+    assert all(model.joint(name).bodyid[0] for name in wrist) and len(wrist) >= 3
+    assert limb_chain(retargeter._geometry, "pelvis") == {
+        name for foot in retargeter.robot.foot_names for name in limb_chain(retargeter._geometry, f"{foot}_sole")
+    }
+
+
+def test_the_pace_may_be_kept_and_changes_of_it_are_told(retargeter, motions):
+    steps = motions["steps"]
+    quick = HumanMotion(steps.joints[::2], steps.fps)
+    slowed = retargeter.retarget(quick, balance=False)
+    kept = retargeter.retarget(quick, balance=False, keep_timing=True)
+    assert kept.report.slowdown == 1.0 < slowed.report.slowdown
+    assert kept.trajectory.duration_s < slowed.trajectory.duration_s
+    human_s = (len(quick.joints) - 1) / quick.fps
+    line = f"pace: {human_s:.1f} s of the person take the robot {slowed.report.slowdown * human_s:.1f} s"
+    assert slowed.report.changes()[0].startswith(line) and "--keep-timing" in slowed.report.changes()[0]
+    assert not any(line.startswith("pace") for line in kept.report.changes())
+
+
+def test_progress_rises_to_the_whole(retargeter, motions):
+    shares: list[float] = []
+    retargeter.retarget(motions["wave"], progress=shares.append)
+    assert shares == sorted(shares) and 0 < shares[0] < 1 and shares[-1] == 1
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3])

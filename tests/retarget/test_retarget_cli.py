@@ -1,5 +1,6 @@
 import errno
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -33,6 +34,33 @@ def test_takes_a_motion_in_another_format(tmp_path, motions, capsys):
         Retarget(motion=tmp_path / "robot.npz", out=tmp_path / "c.npz").run()
     with pytest.raises(InvalidOption, match=r"--units: .* has no use for it"):
         Retarget(motion=tmp_path / "human.npz", out=tmp_path / "c.npz", units="cm").run()
+
+
+def test_a_part_of_a_file_at_its_own_pace(tmp_path, motions, capsys):
+    steps = motions["steps"]
+    save_motion(tmp_path / "human.npz", replace(steps, joints=steps.joints[::2]))
+    given = {"motion": tmp_path / "human.npz", "balance": False, "solver": "frames"}
+    assert Retarget(out=tmp_path / "slow.npz", end=1.5, **given).run() == 0
+    assert "pace: 1.5 s of the person take the robot" in capsys.readouterr().err
+    assert Retarget(out=tmp_path / "kept.npz", start=0.5, end=1.5, keep_timing=True, **given).run() == 0
+    assert "pace:" not in capsys.readouterr().err
+    assert load_trajectory(tmp_path / "kept.npz").duration_s == pytest.approx(2.8, abs=0.05)
+    with pytest.raises(InvalidOption, match=r"--start: .* ends at"):
+        Retarget(out=tmp_path / "a.npz", start=99.0, **given).run()
+
+
+def test_time_left_is_said_every_few_seconds(monkeypatch, capsys):
+    from ros_free_stack import console
+
+    now = iter([0.0, 3.0, 6.0, 7.0, 100.0, 101.0])
+    monkeypatch.setattr(console, "perf_counter", lambda: next(now))
+    tell = console.time_left("retarget")
+    for share in (0.1, 0.2, 0.3, 0.5, 1.0):
+        tell(share)
+    assert capsys.readouterr().err.splitlines() == [
+        "retarget: 20 % done, about 24 s left",
+        "retarget: 50 % done, about 1 min 40 s left",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -191,8 +191,8 @@ def test_says_where_it_found_nothing_better(steps, motions, monkeypatch):
 def test_asks_less_of_a_body_that_does_not_follow(motions, monkeypatch):
     shifts = []
 
-    def spy(solver, targets, start, com=None):
-        found = solve(solver, targets, start, com)
+    def spy(solver, targets, start, com=None, **others):
+        found = solve(solver, targets, start, com, **others)
         if com is not None:
             shifts.append(np.linalg.norm(com - found.solution.centre_of_mass[:, :2], axis=1).max())
         return found

@@ -1,6 +1,7 @@
 import json
 import os
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,10 @@ import launch
 from ros_free_stack.errors import InvalidFile, InvalidOption, UnknownName
 from ros_free_stack.files import load_motion, load_trajectory, save_motion, save_trajectory
 from ros_free_stack.formats import gmr, robot_csv
+from ros_free_stack.formats.catalogue import FORMATS, READABLE, WRITABLE
 from ros_free_stack.formats.features import encode
 from ros_free_stack.formats.frames import stand, to_y_up
-from ros_free_stack.formats.registry import FORMATS, READABLE, WRITABLE, load, load_human, save
+from ros_free_stack.formats.registry import load, load_human, save
 from ros_free_stack.formats.source import SourceOptions
 from ros_free_stack.messages import HumanMotion, RobotTrajectory
 
@@ -79,7 +81,7 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
     for name, atol in (("joints", 1e-6), ("features", 1e-4)):
         read, notes = load_human(tmp_path / f"{name}.npy", NO_OPTIONS)
         assert read.fps == 20
-        assert not notes
+        assert notes == (f"HumanML3D {name[:-1]} files state no frame rate: 20 assumed (--source-fps)",)
         np.testing.assert_allclose(stand(read.joints), stand(motion.joints[: len(read.joints)]), atol=atol)
     gmr.write(tmp_path / "gmr.pkl", trajectory())
     robot_csv.write_kimodo(tmp_path / "a.csv", trajectory())
@@ -95,12 +97,16 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
 @pytest.mark.parametrize(
     ("name", "data", "message"),
     [
-        ("a.fbx", b"", "of no known format .*asf-amc.*unitree-csv"),
+        ("a.xyz", b"", "of no known format .*asf-amc.*unitree-csv"),
+        ("a.fbx", b"", r"\.fbx files are not read: export BVH"),
+        ("a.pt", b"", r"\.pt files are not read: save its arrays with numpy"),
+        ("a.c3d", b"", "they hold markers, not joints"),
+        ("a.asf", b"", "it is a skeleton: name the .amc file"),
         ("a.npz", b"\x00\xff" * 30, "not a readable .npz"),
         ("a.npy", b"\x93NUMPY\x01\x00", "not a readable .npy"),
-        ("a.npy", "array", r"of no known format \(an array \(4, 21, 3\); joints are"),
+        ("a.npy", "array", r"joints of shape \(4, 17, 3\): these are joints of COCO .* expected \(T, 22, 3\)"),
         ("a.npz", "archive", r"of no known format \(holds x\)"),
-        ("a.pkl", pickle.dumps({"a": 1}), r"of no known format \(a pickle of neither"),
+        ("a.pkl", pickle.dumps({"a": 1}), r"of no known format \(a pickle of a\)"),
         ("a.pkl", b"\x80\x05garbage", "not a readable pickle"),
         ("a.txt", b"hello", r"of no known format \(no JSON object with 'Frames'\)"),
         ("a.txt", b"[1]", r"of no known format \(no JSON"),
@@ -110,7 +116,7 @@ def test_formats_are_recognised_by_suffix_and_content(tmp_path: Path, person, tr
 def test_what_is_no_motion_file(tmp_path: Path, name: str, data: bytes | str, message: str) -> None:
     path = tmp_path / name
     if data == "array":
-        np.save(path, np.zeros((4, 21, 3)))
+        np.save(path, np.zeros((4, 17, 3)))
     elif data == "archive":
         np.savez(path, x=np.zeros(3))
     else:
@@ -133,18 +139,19 @@ def test_bad_values_in_arrays(tmp_path: Path, shape: tuple[int, ...], name: str)
     values = np.zeros(shape)
     values[1] = np.nan
     np.save(tmp_path / "a.npy", values)
-    with pytest.raises(InvalidFile, match="not finite at row 1"):
+    with pytest.raises(InvalidFile, match=r"not finite at (row|frame) 1"):
         load(tmp_path / "a.npy", NO_OPTIONS)
     np.save(tmp_path / "a.npy", values[:0])
-    with pytest.raises(InvalidFile, match="expected floats of shape"):
+    with pytest.raises(InvalidFile, match=r"expected floats of shape|joints of shape \(0, 22, 3\)"):
         load(tmp_path / "a.npy", NO_OPTIONS, f"humanml3d-{name}")
 
 
-def test_arrays_of_the_wrong_size_are_no_person(tmp_path: Path, person) -> None:
+def test_arrays_in_another_unit_and_features_that_are_standardised(tmp_path: Path, person) -> None:
     motion = person(30)
     np.save(tmp_path / "millimetres.npy", 1000 * to_y_up(motion.joints))
-    with pytest.raises(InvalidFile, match=r"legs of 7\d\d m, expected 0.55 to 1.15; are the lengths in m\?"):
-        load(tmp_path / "millimetres.npy", NO_OPTIONS)
+    read, notes = load_human(tmp_path / "millimetres.npy", NO_OPTIONS)
+    np.testing.assert_allclose(read.joints, stand(motion.joints), atol=1e-6)
+    assert notes[-1] == "skeleton: HumanML3D joint; lengths in mm, y up"
     features = encode(motion.joints)
     np.save(tmp_path / "standardised.npy", (features - features.mean(axis=0)) / (features.std(axis=0) + 1e-9))
     with pytest.raises(InvalidFile, match="are the features standardised"):
@@ -158,10 +165,20 @@ def test_a_csv_does_not_tell_its_quaternions(tmp_path: Path, trajectory) -> None
     assert load(tmp_path / "a.csv", SourceOptions(robot="op3"), "unitree-csv").content.fps == 30
 
 
+def test_own_files_with_a_rate_that_cannot_be_are_refused(tmp_path: Path, person, trajectory) -> None:
+    save_motion(tmp_path / "a.npz", replace(person(5), fps=1 / 30))
+    save_trajectory(tmp_path / "b.npz", replace(trajectory(), fps=1e5))
+    for name in ("a.npz", "b.npz"):
+        with pytest.raises(InvalidFile, match=r"states .* frames a second, expected 5 to 1000"):
+            load(tmp_path / name, NO_OPTIONS)
+
+
 def test_options_in_vain_are_refused(human: Path) -> None:
-    with pytest.raises(InvalidOption, match="--units: this project's own has no use for it; options of native: none"):
+    with pytest.raises(
+        InvalidOption, match="--units: this project's own has no use for it; options of native: --floor"
+    ):
         load(human, SourceOptions(units="cm"))
-    with pytest.raises(InvalidOption, match="--source-fps: expected a positive number"):
+    with pytest.raises(InvalidOption, match="--source-fps: expected 5 to 1000 frames a second, found -1"):
         load(human, SourceOptions(source_fps=-1))
 
 

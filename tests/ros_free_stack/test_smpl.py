@@ -89,14 +89,16 @@ def test_without_a_skeleton_the_error_says_what_to_supply(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("changes", "error", "message"),
     [
-        ({"poses": np.zeros((5, 60))}, InvalidFile, r"expected poses \(T, 66 or more\)"),
+        ({"poses": np.zeros((5, 60))}, InvalidFile, r"poses: expected \(T, 66 or more\)"),
         ({"poses": np.zeros((0, 156)), "trans": np.zeros((0, 3))}, InvalidFile, r"found \(0, 156\)"),
-        ({"trans": np.zeros((4, 3))}, InvalidFile, r"trans \(T, 3\), found .*\(4, 3\)"),
+        ({"trans": np.zeros((4, 3))}, InvalidFile, r"trans: expected \(5, 3\), .* found \(4, 3\)"),
         ({"trans": np.full((5, 3), np.nan)}, InvalidFile, "trans: a value that is not finite at frame 0"),
         ({"mocap_framerate": None}, InvalidOption, "--source-fps"),
         ({"mocap_framerate": np.nan}, InvalidOption, "--source-fps"),
         ({"poses": None}, InvalidFile, "neither poses nor root_orient"),
-        ({"poses": np.array(["a"])}, InvalidFile, "not a readable .npz"),
+        ({"poses": np.array(["a"])}, InvalidFile, "poses is no array of numbers"),
+        ({"betas": np.zeros((5, 10)), "smpl_scaling": np.zeros(1)}, InvalidFile, "smpl_scaling: expected one positive"),
+        ({"mocap_framerate": np.zeros(2)}, InvalidFile, "mocap_framerate is .* expected a number"),
     ],
 )
 def test_errors_of_a_motion(tmp_path: Path, rest: Floats, changes: dict, error: type, message: str) -> None:
@@ -118,6 +120,8 @@ def test_errors_of_a_skeleton(tmp_path: Path, rest: Floats) -> None:
     assert "plain arrays" in problem(write_model(tmp_path / "d.npz", rest, J_regressor=np.array([{}], dtype=object)))
     (tmp_path / "e.npz").write_bytes(b"\x00\xff" * 50)
     assert "not an SMPL model" in problem(tmp_path / "e.npz")
+    big = write_skeleton(tmp_path / "big.json", 100 * rest)
+    assert "rest joints of a person 170 m tall: are they in m?" in problem(big)
     (tmp_path / "a.json").write_text("{}")
     assert "no rest joint 'pelvis'" in problem(tmp_path / "a.json")
     (tmp_path / "b.json").write_text(json.dumps({name: [0, 1] for name in JOINT_NAMES}))
