@@ -1,18 +1,16 @@
 """One serial port with Dynamixel servos, through the official SDK: ping, read and write by register name, reboot."""
 
-import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import serial
 from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
-from serial.tools import list_ports
 
+from hw.port import claimed, keep_out_others, lower_latency, unopened
 from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, encode
 from hw.registers import ControlTable, model_name
 from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError, UnknownName
@@ -25,8 +23,9 @@ if sys.platform != "win32":
     _PORT_ERRORS = (*_PORT_ERRORS, termios.error)
 
 _RETRIES = 3
-_LATENCY_MS = 1
 _PATIENCE_S = 2e-3
+BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+"""Bits a second that an X-series servo can be set to, by the value of its register."""
 
 
 @dataclass(frozen=True)
@@ -49,23 +48,29 @@ class Bus:
     """
 
     def __init__(self, port: str, baud: int) -> None:
-        """Open the port.
+        """Open the port, for this program alone.
 
         Raises:
-            PortError: it cannot be opened; lists the ports there are.
-            InvalidOption: the SDK does not know the baud rate.
+            PortError: it cannot be opened, or another program has it.
+            InvalidOption: no servo has that baud rate.
         """
         self.port, self.baud = port, baud
         self.handler = PortHandler(port)
         self.packets = Protocol2PacketHandler()
-        if self.handler.getCFlagBaud(baud) <= 0:
-            raise InvalidOption("--baud", f"{baud} is not a rate that the Dynamixel SDK supports")
-        try:
-            self.handler.setBaudRate(baud)
-        except (serial.SerialException, OSError, ValueError) as error:
-            found = ", ".join(item.device for item in list_ports.comports()) or "none"
-            reason = os.strerror(number) if (number := getattr(error, "errno", None)) else str(error)
-            raise PortError(port, f"cannot be opened ({reason}); serial ports here: {found}; or use sim") from None
+        if baud not in BAUD_RATES and self.handler.getCFlagBaud(baud) <= 0:
+            raise InvalidOption(
+                "--baud", f"{baud} is not a rate of Dynamixel servos: {', '.join(map(str, BAUD_RATES))}"
+            )
+        with ExitStack() as stack:
+            stack.enter_context(claimed(port))
+            try:
+                # Its own table of rates lacks 4.5 Mbps, which the port takes all the same.
+                self.handler.baudrate = baud
+                self.handler.setupPort(baud)
+            except (serial.SerialException, OSError, ValueError) as error:
+                raise unopened(port, error) from None
+            keep_out_others(self.serial, port)
+            self._claim = stack.pop_all()
         # Wait in the kernel for a whole packet instead of polling for each byte.
         self.serial.timeout = _PATIENCE_S
         self.latency = lower_latency(port)
@@ -84,6 +89,8 @@ class Bus:
             self.handler.closePort()
         except _PORT_ERRORS:
             self.handler.is_open = False
+        finally:
+            self._claim.close()
 
     def __enter__(self) -> Self:
         return self
@@ -175,30 +182,6 @@ class Bus:
         (self.alerts.add if error & ALERT else self.alerts.discard)(identity)
         if code := error & ~ALERT:
             raise BusFault(f"servo {identity} refuses {what}: {error_name(code)}")
-
-
-@dataclass(frozen=True)
-class Latency:
-    """What became of a port's latency timer: whether it is as low as it should be, and words for a person."""
-
-    ok: bool
-    words: str
-
-
-def lower_latency(port: str, devices: Path = Path("/sys/bus/usb-serial/devices")) -> Latency:
-    """Set a USB serial adapter's latency timer to 1 ms where Linux lets us; `devices` is where it lists them."""
-    if not sys.platform.startswith("linux"):
-        return Latency(False, "not settable on this system: set the adapter's latency timer to 1 ms in its driver")
-    file = devices / Path(port).resolve().name / "latency_timer"
-    if not file.exists():
-        return Latency(True, "the port has none")
-    try:
-        before = int(file.read_text())
-        if before > _LATENCY_MS:
-            file.write_text(str(_LATENCY_MS))
-        return Latency(True, f"{min(before, _LATENCY_MS)} ms")
-    except (OSError, ValueError):
-        return Latency(False, f"not lowered to {_LATENCY_MS} ms: as root, echo {_LATENCY_MS} > {file}")
 
 
 def _model(number: int) -> str:

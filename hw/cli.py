@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from hw.bus import Bus
+from hw.bus import BAUD_RATES, Bus
 from hw.calibration import load_calibration
 from hw.rig import Rig
 from hw.servos import Servos, open_ports
@@ -144,7 +144,7 @@ class ServosScan(BusCommand):
         rig = self.rig(robot)
         names = dict(zip(rig.ids, rig.joints, strict=True))
         rows: list[Row] = []
-        bauds = (57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000) if self.all_bauds else (rig.baud,)
+        bauds = BAUD_RATES if self.all_bauds else (rig.baud,)
         with opened_port(self.servo, robot) as path:
             for baud in bauds:
                 with open_ports(path, baud) as buses:

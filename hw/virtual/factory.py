@@ -3,9 +3,9 @@
 Source: ROBOTIS e-Manual, X series, control tables.
 """
 
+from hw.bus import BAUD_RATES
 from hw.registers import ControlTable
 
-BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
 CURRENT, VELOCITY, POSITION, EXTENDED, CURRENT_POSITION, PWM = 0, 1, 3, 4, 5, 16
 REVERSE, TIME_BASED, TORQUE_ON_BY_GOAL = 1 << 0, 1 << 2, 1 << 3
 """Bits of Drive Mode."""
