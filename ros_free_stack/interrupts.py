@@ -24,7 +24,7 @@ class Interrupts:
 
 @contextmanager
 def caught_interrupts() -> Generator[Interrupts]:
-    """Catch SIGINT, SIGQUIT, SIGTERM and SIGHUP for a while; not outside the main thread, where no handler may be set."""
+    """Catch SIGINT, SIGQUIT, SIGTERM and SIGHUP for a while; outside the main thread no handler may be set."""
     interrupts = Interrupts()
     if threading.current_thread() is not threading.main_thread():
         yield interrupts

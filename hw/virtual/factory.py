@@ -9,6 +9,8 @@ from hw.registers import ControlTable
 CURRENT, VELOCITY, POSITION, EXTENDED, CURRENT_POSITION, PWM = 0, 1, 3, 4, 5, 16
 REVERSE, TIME_BASED, TORQUE_ON_BY_GOAL = 1 << 0, 1 << 2, 1 << 3
 """Bits of Drive Mode."""
+INPUT_VOLTAGE, OVERHEATING, ENCODER, SHOCK, OVERLOAD = 1 << 0, 1 << 2, 1 << 3, 1 << 4, 1 << 5
+"""Bits of Hardware Error Status and Shutdown."""
 MULTI_TURN = 1_048_575
 """Largest position of the modes that turn more than once."""
 

@@ -183,7 +183,7 @@ def test_a_servo_on_two_ports_and_a_servo_on_none(ports: tuple[VirtualBus, Virtu
     ):
         pass
     with arms.locked:
-        arms.network.servos[14] = Servo.make(14, baud=RIG.baud)
+        arms.network.add(Servo.make(14, baud=RIG.baud))
     with (
         pytest.raises(ModelMismatch, match=r"l_knee .servo 14. answers on .* and .*: ids must be distinct"),
         Driver(RIG, both),
