@@ -8,7 +8,8 @@ from types import TracebackType
 from typing import Self
 
 import serial
-from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
+from dynamixel_sdk import COMM_RX_CORRUPT, COMM_SUCCESS, PortHandler, Protocol2PacketHandler
+from dynamixel_sdk.protocol2_packet_handler import PKT_ID, PKT_INSTRUCTION, PKT_LENGTH_L, PKT_PARAMETER0
 
 from hw.port import claimed, keep_out_others, lower_latency, unopened
 from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, encode
@@ -23,9 +24,20 @@ if sys.platform != "win32":
     _PORT_ERRORS = (*_PORT_ERRORS, termios.error)
 
 _RETRIES = 3
+_PING_ANSWER = 14
 _PATIENCE_S = 2e-3
 BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
 """Bits a second that an X-series servo can be set to, by the value of its register."""
+
+
+class DamagedAnswers(BusFault):
+    """Every answer of one servo comes damaged, as when two servos with one id speak at once."""
+
+    def __init__(self, identity: int, port: str) -> None:
+        super().__init__(
+            f"port {port}: every answer of servo {identity} comes damaged: two servos with this id, or a bad cable; "
+            "take all but one of them off the bus and give it an id of its own"
+        )
 
 
 @dataclass(frozen=True)
@@ -111,11 +123,19 @@ class Bus:
 
     def ping(self, identity: int) -> str | None:
         """The model of a servo, or None where nothing answers."""
+        found = self.find(identity)
+        return None if found is None else found.model
+
+    def find(self, identity: int) -> Device | None:
+        """What answers a ping, or None where nothing does."""
         for _ in range(_RETRIES):
+            request = [0] * 10
+            request[PKT_ID], request[PKT_LENGTH_L], request[PKT_INSTRUCTION] = identity, 3, Instruction.PING
             with self.guarded():
-                number, result, _ = self.packets.ping(self.handler, identity)
-            if result == COMM_SUCCESS:
-                return _model(number)
+                answer, result, _ = self.packets.txRxPacket(self.handler, request)
+            if result == COMM_SUCCESS and answer is not None and len(answer) == _PING_ANSWER:
+                low, high, firmware = answer[PKT_PARAMETER0 + 1 : PKT_PARAMETER0 + 4]
+                return Device(identity, _model(high << 8 | low), firmware)
         return None
 
     def scan(self) -> tuple[Device, ...]:
@@ -129,21 +149,25 @@ class Bus:
 
         Raises:
             LostServo: no intact exchange in three tries.
-            BusFault: the servo refuses.
+            BusFault: the servo refuses, or all of its answers come damaged.
         """
         item = table[register]
         return item.unpack(self.read_bytes(identity, item.address, item.size))
 
     def read_bytes(self, identity: int, address: int, length: int) -> bytes:
         """Bytes from the control table; errors as in `read`."""
+        damaged = 0
         for _ in range(_RETRIES):
             with self.guarded():
                 data, result, error = self.packets.readTxRx(self.handler, identity, address, length)
+            damaged += result == COMM_RX_CORRUPT
             if result == COMM_SUCCESS and error & ~ALERT == StatusError.CRC:
                 continue  # the instruction was damaged on its way
             if result == COMM_SUCCESS and len(data) == length:
                 self._refuse(identity, error, f"reading {length} bytes at {address}")
                 return bytes(data)
+        if damaged == _RETRIES:
+            raise DamagedAnswers(identity, self.port)
         raise LostServo([f"servo {identity}"], f"to a read of address {address}")
 
     def write(self, identity: int, table: ControlTable, register: str, value: int) -> None:

@@ -78,11 +78,13 @@ class Servo:
     @classmethod
     def make(
         cls, servo_id: int, *, model: str = "XM430-W350", baud: int = 1_000_000, motor: MotorModel | None = None,
-        position: float = 0.0,
+        position: float = 0.0, firmware: int | None = None,
     ) -> "Servo":  # fmt: skip
         """A servo in factory state but for its id, baud rate and a return delay of 0; horn at `position` rad."""
         volts = supply_voltage(model)
-        servo = cls(control_table(model), Motor(motor or MotorModel(nominal_voltage=volts), position=position), volts)
+        servo = cls(
+            control_table(model, firmware), Motor(motor or MotorModel(nominal_voltage=volts), position=position), volts
+        )
         servo.set("ID", servo_id)
         servo.set("Baud Rate", BAUD_RATES.index(baud))
         servo.set("Return Delay Time", 0)
