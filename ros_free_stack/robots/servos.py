@@ -11,6 +11,7 @@ ServoMode = Literal["position", "extended position", "current-based position"]
 StopPolicy = Literal["off", "hold"]
 
 WATCHDOG_MAX_S = 2.54
+_LAST_ID = 252
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,14 @@ class ServoBoard:
         if isinstance(names, str) or not 1 <= len(self.button_names) <= 8:
             raise ValueError(f"servos board button_names: expected a list of 1 to 8 names, found {names!r}")
         object.__setattr__(self, "button_names", tuple(map(str, self.button_names)))
-        whole = {"id": 252, "model_number": 0xFFFF, "power": 0xFFFF, "buttons": 0xFFFF, "voltage": 0xFFFF, "on": 255}
+        whole = {
+            "id": _LAST_ID,
+            "model_number": 0xFFFF,
+            "power": 0xFFFF,
+            "buttons": 0xFFFF,
+            "voltage": 0xFFFF,
+            "on": 255,
+        }
         for name, highest in whole.items():
             value = getattr(self, name)
             if type(value) is not int or not 0 <= value <= highest:
@@ -211,7 +219,7 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
     servos = data.get("servos")
     if servos is None:
         return None
-    ids = {joint: int(number) for joint, number in servos["ids"].items()}
+    ids = {joint: _id(joint, number) for joint, number in servos["ids"].items()}
     models = {joint: str(model) for joint, model in servos.get("models", {}).items()}
     for joint in ids:
         if joint not in joints:
@@ -238,6 +246,12 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
         motor=_section(ServoMotor, "servos motor", servos["motor"]) if "motor" in servos else None,
         board=board,
     )
+
+
+def _id(joint: str, number: object) -> int:
+    if type(number) is not int or not 0 <= number <= _LAST_ID:
+        raise ValueError(f"{joint}: expected a servo id 0 to {_LAST_ID}, found {number!r}")
+    return number
 
 
 def _section(kind: type[Section], name: str, data: dict[str, Any]) -> Section:
