@@ -1,10 +1,11 @@
-"""Other people's drivers on the emulated bus: rustypot in Rust, dxl2, and those of GELLO and ToddlerBot.
+"""Other people's drivers on the emulated bus: rustypot in Rust, dxl2, the C++ SDK's examples, GELLO, ToddlerBot.
 
-The last two are no packages: RFS_GELLO and RFS_TODDLERBOT name folders with their source.
+The last three are no packages: RFS_DYNAMIXEL_SDK, RFS_GELLO and RFS_TODDLERBOT name folders with their source.
 """
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -131,3 +132,39 @@ def test_toddlerbots_client() -> None:
         assert result["positions"] == pytest.approx([3.4, 2.9, 3.1416], abs=0.02)
         assert result["volts"] == pytest.approx([12.0] * 3, abs=0.2)
         assert not any(servo.torque_on for servo in bus.network.all_servos)
+
+
+CPP = ("ping", "broadcast_ping", "reboot")
+FAILURES = ("[TxRxResult]", "[RxPacketError]", "Failed", "failed")
+
+
+@pytest.fixture(scope="module")
+def cpp_sdk(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    """The examples of the C++ SDK, and how a compiler is called for one of them."""
+    root = Path(source("RFS_DYNAMIXEL_SDK")) / "c++"
+    compiler = shutil.which("g++")
+    if compiler is None:
+        pytest.skip("there is no g++")
+    folder = tmp_path_factory.mktemp("sdk")
+    call = [compiler, "-DLINUX", "-D_GNU_SOURCE", "-std=c++17", f"-I{root / 'include/dynamixel_sdk'}"]
+    sources = (root / "src/dynamixel_sdk").glob("*.cpp")
+    chosen = [str(file) for file in sources if not file.stem.endswith(("_windows", "_mac", "_arduino"))]
+    subprocess.run([*call, "-c", *chosen], cwd=folder, check=True, capture_output=True)
+    return root / "example/protocol2.0", [*call, *map(str, folder.glob("*.o"))]
+
+
+@pytest.mark.parametrize("name", CPP)
+def test_the_cpp_sdks_examples(cpp_sdk: tuple[Path, list[str]], tmp_path: Path, name: str) -> None:
+    """As they are, but for the port; the others are written for the addresses of a PRO."""
+    folder, compile_command = cpp_sdk
+    with VirtualBus([Servo.make(i, baud=57_600) for i in (1, 2)], timed=True) as bus:
+        text = (folder / name / f"{name}.cpp").read_text()
+        (tmp_path / "main.cpp").write_text(text.replace('"/dev/ttyUSB0"', f'"{bus.port}"'))
+        program = str(tmp_path / "main")
+        subprocess.run([*compile_command, str(tmp_path / "main.cpp"), "-o", program], check=True, capture_output=True)
+        keys = "gg\x1b" * 3
+        done = subprocess.run([program], input=keys, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+    assert done.returncode == 0
+    assert "Succeeded to change the baudrate!" in done.stdout
+    assert not [line for line in done.stdout.splitlines() if any(word in line for word in FAILURES)]
+    assert bus.heard > 0
