@@ -1,18 +1,17 @@
 """One serial port with Dynamixel servos, through the official SDK: ping, read and write by register name, reboot."""
 
-import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import serial
-from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
-from serial.tools import list_ports
+from dynamixel_sdk import COMM_RX_CORRUPT, COMM_SUCCESS, PortHandler, Protocol2PacketHandler
+from dynamixel_sdk.protocol2_packet_handler import PKT_ID, PKT_INSTRUCTION, PKT_LENGTH_L, PKT_PARAMETER0
 
+from hw.port import claimed, keep_out_others, lower_latency, unopened
 from hw.protocol import ALERT, BROADCAST, Instruction, Packet, StatusError, encode
 from hw.registers import ControlTable, model_name
 from ros_free_stack.errors import BusFault, InvalidOption, LostServo, PortError, UnknownName
@@ -25,8 +24,20 @@ if sys.platform != "win32":
     _PORT_ERRORS = (*_PORT_ERRORS, termios.error)
 
 _RETRIES = 3
-_LATENCY_MS = 1
+_PING_ANSWER = 14
 _PATIENCE_S = 2e-3
+BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+"""Bits a second that an X-series servo can be set to, by the value of its register."""
+
+
+class DamagedAnswers(BusFault):
+    """Every answer of one servo comes damaged, as when two servos with one id speak at once."""
+
+    def __init__(self, identity: int, port: str) -> None:
+        super().__init__(
+            f"port {port}: every answer of servo {identity} comes damaged: two servos with this id, or a bad cable; "
+            "take all but one of them off the bus and give it an id of its own"
+        )
 
 
 @dataclass(frozen=True)
@@ -49,23 +60,29 @@ class Bus:
     """
 
     def __init__(self, port: str, baud: int) -> None:
-        """Open the port.
+        """Open the port, for this program alone.
 
         Raises:
-            PortError: it cannot be opened; lists the ports there are.
-            InvalidOption: the SDK does not know the baud rate.
+            PortError: it cannot be opened, or another program has it.
+            InvalidOption: no servo has that baud rate.
         """
         self.port, self.baud = port, baud
         self.handler = PortHandler(port)
         self.packets = Protocol2PacketHandler()
-        if self.handler.getCFlagBaud(baud) <= 0:
-            raise InvalidOption("--baud", f"{baud} is not a rate that the Dynamixel SDK supports")
-        try:
-            self.handler.setBaudRate(baud)
-        except (serial.SerialException, OSError, ValueError) as error:
-            found = ", ".join(item.device for item in list_ports.comports()) or "none"
-            reason = os.strerror(number) if (number := getattr(error, "errno", None)) else str(error)
-            raise PortError(port, f"cannot be opened ({reason}); serial ports here: {found}; or use sim") from None
+        if baud not in BAUD_RATES and self.handler.getCFlagBaud(baud) <= 0:
+            raise InvalidOption(
+                "--baud", f"{baud} is not a rate of Dynamixel servos: {', '.join(map(str, BAUD_RATES))}"
+            )
+        with ExitStack() as stack:
+            stack.enter_context(claimed(port))
+            try:
+                # Its own table of rates lacks 4.5 Mbps, which the port takes all the same.
+                self.handler.baudrate = baud
+                self.handler.setupPort(baud)
+            except (serial.SerialException, OSError, ValueError) as error:
+                raise unopened(port, error) from None
+            keep_out_others(self.serial, port)
+            self._claim = stack.pop_all()
         # Wait in the kernel for a whole packet instead of polling for each byte.
         self.serial.timeout = _PATIENCE_S
         self.latency = lower_latency(port)
@@ -84,6 +101,8 @@ class Bus:
             self.handler.closePort()
         except _PORT_ERRORS:
             self.handler.is_open = False
+        finally:
+            self._claim.close()
 
     def __enter__(self) -> Self:
         return self
@@ -104,11 +123,19 @@ class Bus:
 
     def ping(self, identity: int) -> str | None:
         """The model of a servo, or None where nothing answers."""
+        found = self.find(identity)
+        return None if found is None else found.model
+
+    def find(self, identity: int) -> Device | None:
+        """What answers a ping, or None where nothing does."""
         for _ in range(_RETRIES):
+            request = [0] * 10
+            request[PKT_ID], request[PKT_LENGTH_L], request[PKT_INSTRUCTION] = identity, 3, Instruction.PING
             with self.guarded():
-                number, result, _ = self.packets.ping(self.handler, identity)
-            if result == COMM_SUCCESS:
-                return _model(number)
+                answer, result, _ = self.packets.txRxPacket(self.handler, request)
+            if result == COMM_SUCCESS and answer is not None and len(answer) == _PING_ANSWER:
+                low, high, firmware = answer[PKT_PARAMETER0 + 1 : PKT_PARAMETER0 + 4]
+                return Device(identity, _model(high << 8 | low), firmware)
         return None
 
     def scan(self) -> tuple[Device, ...]:
@@ -122,21 +149,25 @@ class Bus:
 
         Raises:
             LostServo: no intact exchange in three tries.
-            BusFault: the servo refuses.
+            BusFault: the servo refuses, or all of its answers come damaged.
         """
         item = table[register]
         return item.unpack(self.read_bytes(identity, item.address, item.size))
 
     def read_bytes(self, identity: int, address: int, length: int) -> bytes:
         """Bytes from the control table; errors as in `read`."""
+        damaged = 0
         for _ in range(_RETRIES):
             with self.guarded():
                 data, result, error = self.packets.readTxRx(self.handler, identity, address, length)
+            damaged += result == COMM_RX_CORRUPT
             if result == COMM_SUCCESS and error & ~ALERT == StatusError.CRC:
                 continue  # the instruction was damaged on its way
             if result == COMM_SUCCESS and len(data) == length:
                 self._refuse(identity, error, f"reading {length} bytes at {address}")
                 return bytes(data)
+        if damaged == _RETRIES:
+            raise DamagedAnswers(identity, self.port)
         raise LostServo([f"servo {identity}"], f"to a read of address {address}")
 
     def write(self, identity: int, table: ControlTable, register: str, value: int) -> None:
@@ -175,30 +206,6 @@ class Bus:
         (self.alerts.add if error & ALERT else self.alerts.discard)(identity)
         if code := error & ~ALERT:
             raise BusFault(f"servo {identity} refuses {what}: {error_name(code)}")
-
-
-@dataclass(frozen=True)
-class Latency:
-    """What became of a port's latency timer: whether it is as low as it should be, and words for a person."""
-
-    ok: bool
-    words: str
-
-
-def lower_latency(port: str, devices: Path = Path("/sys/bus/usb-serial/devices")) -> Latency:
-    """Set a USB serial adapter's latency timer to 1 ms where Linux lets us; `devices` is where it lists them."""
-    if not sys.platform.startswith("linux"):
-        return Latency(False, "not settable on this system: set the adapter's latency timer to 1 ms in its driver")
-    file = devices / Path(port).resolve().name / "latency_timer"
-    if not file.exists():
-        return Latency(True, "the port has none")
-    try:
-        before = int(file.read_text())
-        if before > _LATENCY_MS:
-            file.write_text(str(_LATENCY_MS))
-        return Latency(True, f"{min(before, _LATENCY_MS)} ms")
-    except (OSError, ValueError):
-        return Latency(False, f"not lowered to {_LATENCY_MS} ms: as root, echo {_LATENCY_MS} > {file}")
 
 
 def _model(number: int) -> str:

@@ -11,6 +11,8 @@ from ros_free_stack.errors import InvalidFile, ModelMismatch
 from ros_free_stack.files import write_text
 from ros_free_stack.robots import RobotDescription
 
+_LONGEST = 1_000_000
+
 
 @dataclass(frozen=True)
 class JointCalibration:
@@ -58,10 +60,11 @@ def load_calibration(path: Path, robot: RobotDescription) -> Calibration:
             between its measured ends and the robot's own range.
     """
     try:
-        data: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data: dict[str, Any] = yaml.load(_text(path), _DistinctNames)
         calibration = Calibration(data["robot"], {name: _joint(name, item) for name, item in data["joints"].items()})
-    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InvalidFile(path, f"not a servo calibration ({type(error).__name__}: {error})") from None
+    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        problem = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InvalidFile(path, f"not a servo calibration ({problem})") from None
     expected = robot.servos.ids if robot.servos else {}
     odd = [
         name
@@ -77,14 +80,57 @@ def load_calibration(path: Path, robot: RobotDescription) -> Calibration:
     return calibration
 
 
+class _DistinctNames(yaml.SafeLoader):
+    """A name that stands twice would count the second time alone; references to other parts have no use here."""
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            raise ValueError("references (*name) are not taken")
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        names = [self.construct_object(key, deep=True) for key, _ in node.value]  # pyright: ignore[reportUnknownMemberType]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"{name!r} stands there twice")
+        return super().construct_mapping(node, deep)
+
+
+def _text(path: Path) -> str:
+    """A file's text; no device, no pipe, nothing longer than a calibration can be."""
+    if path.exists() and not path.is_file():
+        raise ValueError("it is no file")
+    if path.stat().st_size > _LONGEST:
+        raise ValueError(f"it is longer than {_LONGEST} bytes")
+    return path.read_text(encoding="utf-8")
+
+
 def _joint(name: str, item: dict[str, Any]) -> JointCalibration:
-    joint = JointCalibration(
-        id=int(item["id"]),
-        direction=int(item["direction"]),
-        offset=float(item["offset"]),
-        lower=float(item["lower"]),
-        upper=float(item["upper"]),
+    return JointCalibration(
+        id=_whole(name, item, "id", range(253)),
+        direction=_whole(name, item, "direction", (1, -1)),
+        offset=_angle(name, item, "offset"),
+        **_range(name, item),
     )
-    if joint.direction not in (-1, 1) or not joint.lower < joint.upper or not math.isfinite(joint.offset):
-        raise ValueError(f"{name}: expected direction 1 or -1, a finite offset and lower < upper, found {joint}")
-    return joint
+
+
+def _whole(name: str, item: dict[str, Any], entry: str, choices: range | tuple[int, ...]) -> int:
+    value = item[entry]
+    if type(value) is not int or value not in choices:
+        words = f"{choices[0]} to {choices[-1]}" if isinstance(choices, range) else " or ".join(map(str, choices))
+        raise ValueError(f"{name}: expected {entry} {words}, found {value!r}")
+    return value
+
+
+def _angle(name: str, item: dict[str, Any], entry: str) -> float:
+    value = item[entry]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{name}: expected a finite {entry} in rad, found {value!r}")
+    return float(value)
+
+
+def _range(name: str, item: dict[str, Any]) -> dict[str, float]:
+    ends = {entry: _angle(name, item, entry) for entry in ("lower", "upper")}
+    if not ends["lower"] < ends["upper"]:
+        raise ValueError(f"{name}: expected lower < upper, found {ends['lower']:g} and {ends['upper']:g}")
+    return ends

@@ -17,7 +17,11 @@ from ros_free_stack.robots import ServoMode
 MODES: dict[ServoMode, int] = {"position": 3, "extended position": 4, "current-based position": 5}
 """Operating modes by their number in the register."""
 
+SECONDARY_ID, NO_SECONDARY_ID = "Secondary(Shadow) ID", 253
+"""A servo with a secondary id below this one obeys what another servo is told."""
+_NEVER = 255
 _FULL_TURN = 4095
+_LEVEL = "Status Return Level"
 
 
 @dataclass(frozen=True)
@@ -60,11 +64,19 @@ def ram_settings(rig: Rig, i: int) -> dict[str, int]:
 
 
 def planned_changes(servos: Servos) -> tuple[Change, ...]:
-    """What `apply_changes` would write: answers at once, operating mode, position and current limits."""
+    """What `apply_changes` would write: answers at once, operating mode, position and current limits.
+
+    A servo that answers pings alone shows its other differences once it answers.
+    """
     rig = servos.rig
     changes: list[Change] = []
     for i, identity in enumerate(rig.ids):
+        if i in servos.mute:
+            changes.append(Change(i, rig.label(i), identity, _LEVEL, 0, 2))
+            continue
         for register, wanted in _wanted(rig, i).items():
+            if register == SECONDARY_ID and (SECONDARY_ID not in servos.table(i) or _has_no_second(servos, i)):
+                continue
             now = servos.read(i, register)
             if now != wanted:
                 changes.append(Change(i, rig.label(i), identity, register, now, wanted))
@@ -79,7 +91,11 @@ def apply_changes(servos: Servos, changes: Iterable[Change]) -> None:
         BusFault: a register did not take its value; says how many were written before.
         LostServo, PortError: likewise, where a servo or the port went away.
     """
-    changes = tuple(changes)
+    changes = tuple(sorted(changes, key=lambda change: change.register != _LEVEL))
+    for change in changes:
+        if change.register == _LEVEL:
+            # Such a servo confirms nothing before; afterwards it must.
+            servos.write_together([change.index], _LEVEL, change.wanted)
     for i in dict.fromkeys(change.index for change in changes):
         if servos.read(i, "Torque Enable"):
             raise UnsafeCommand(f"{servos.rig.label(i)} holds torque: support the robot, then `servos release`")
@@ -95,12 +111,16 @@ def apply_changes(servos: Servos, changes: Iterable[Change]) -> None:
 
 
 def _wanted(rig: Rig, i: int) -> dict[str, int]:
-    wanted = {"Return Delay Time": 0, "Status Return Level": 2, **pose_settings(rig)}
+    wanted = {_LEVEL: 2, "Return Delay Time": 0, SECONDARY_ID: _NEVER, **pose_settings(rig)}
     if rig.settings.mode == "position":
         wanted |= _position_limits(rig, i)
     if rig.settings.current_limit is not None and "Current Limit" in rig.tables[i]:
         wanted["Current Limit"] = to_raw(rig.tables[i], "Current Limit", rig.settings.current_limit)
     return wanted
+
+
+def _has_no_second(servos: Servos, i: int) -> bool:
+    return servos.read(i, SECONDARY_ID) >= NO_SECONDARY_ID
 
 
 def _position_limits(rig: Rig, i: int) -> dict[str, int]:

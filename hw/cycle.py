@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hw.bus import Bus
 from hw.line import (
     BLOCK,
     CODE,
@@ -34,6 +35,7 @@ class Reading:
 
     Attributes:
         asked, fresh: (N,) which servos were asked in this cycle, and which answered.
+        age_s: (N,) s since each servo last answered: 0 where it just did, infinite where it never did.
         alert: (N,) alert bit of the last status packet.
         refusal: (N,) error code of the last status packet (`StatusError`), 0 where the servo obeyed.
         torque: (N,) torque on.
@@ -48,6 +50,7 @@ class Reading:
 
     asked: Bools
     fresh: Bools
+    age_s: Floats
     alert: Bools
     refusal: NDArray[np.uint8]
     torque: Bools
@@ -70,21 +73,27 @@ class Cycle:
         """
         self.method: Method = METHODS[0]
         self._servos, rig = servos, servos.rig
+        tables = [servos.table(i) for i in range(len(servos))]
         place = np.array(servos.place)
         used = [k for k in range(len(servos.buses)) if (place == k).any()]
         self._members = [np.flatnonzero(place == k) for k in used]
         self._lines = [
-            Line(servos.buses[k], tuple(rig.ids[i] for i in members), tuple(rig.tables[i] for i in members))
+            Line(servos.buses[k], tuple(rig.ids[i] for i in members), tuple(tables[i] for i in members))
             for k, members in zip(used, self._members, strict=True)
         ]
         self._data = np.zeros(len(rig.ids), dtype=BLOCK)
         self._status = np.zeros(len(rig.ids), dtype=np.uint8)
-        registers = [(current_register(table), "Present Velocity", "Present Input Voltage") for table in rig.tables]
+        self._answered_s = np.full(len(rig.ids), -np.inf)
+        registers = [(current_register(table), "Present Velocity", "Present Input Voltage") for table in tables]
         self._current_unit, self._velocity_unit, self._voltage_unit = np.array(
-            [[scale(table, name)[0] for name in names] for table, names in zip(rig.tables, registers, strict=True)]
+            [[scale(table, name)[0] for name in names] for table, names in zip(tables, registers, strict=True)]
         ).T
         self._patience_s = max(line.wire_s for line in self._lines) + MARGIN_S
         servos.buses[used[0]].serial.timeout = self._patience_s
+
+    def wire_s(self, bus: Bus) -> float:
+        """Time that a whole cycle's bytes take on a port, without waiting, s."""
+        return sum(line.wire_s for line in self._lines if line.bus is bus)
 
     def map_state(self, index: int) -> tuple[int, bytes]:
         """Where the indirect addresses of a servo are, and what they must hold."""
@@ -127,10 +136,12 @@ class Cycle:
         return self._reading(asked, fresh)
 
     def _reading(self, asked: Bools, fresh: Bools) -> Reading:
-        data, rig = self._data, self._servos.rig
+        data, rig, now = self._data, self._servos.rig, time.perf_counter()
+        self._answered_s[fresh] = now
         return Reading(
             asked=asked,
             fresh=fresh,
+            age_s=now - self._answered_s,
             alert=(self._status & ALERT) != 0,
             refusal=self._status & np.uint8(CODE),
             torque=data["torque"] != 0,

@@ -9,18 +9,20 @@ from typing import Self
 
 import numpy as np
 
-from hw.configure import MODES, pose_settings, ram_settings
+from hw.board import Board, BoardWatch, judge, without_power
+from hw.bus import Bus
+from hw.configure import ram_settings
 from hw.cycle import Cycle, Reading
 from hw.goals import ramp
-from hw.line import WATCHDOG_TRIPPED
 from hw.pace import realtime_priority
+from hw.ready import check_ready
 from hw.rig import Raw, Rig
-from hw.safety import LostContact, Watch, hardware_errors
+from hw.safety import LostContact, Watch
 from hw.servos import Servos, open_ports
 from hw.stop import disarm, hold, torque_off
 from hw.units import to_raw, to_si
 from ros_free_stack.console import say
-from ros_free_stack.errors import BusFault, LostServo, ServoFault, StackError, UnsafeCommand
+from ros_free_stack.errors import BusFault, LostServo, StackError, UnsafeCommand
 from ros_free_stack.interrupts import Interrupts, caught_interrupts
 from ros_free_stack.messages import Floats
 from ros_free_stack.rate import Rate
@@ -29,8 +31,9 @@ from ros_free_stack.robots import StopPolicy
 Recorder = Callable[[float, float, Floats, Reading], None]
 """Called each cycle with time (s), lateness (s), goal (N,) rad and the reading."""
 
-_SLACK = 0.1
-"""rad that a joint may stand outside its range when it is enabled; the ramp brings it back in."""
+_ARRIVAL_S = 0.1
+"""s that a servo may lag behind its own profile."""
+_UNLIMITED = 1 << 30
 
 
 class Driver:
@@ -44,21 +47,24 @@ class Driver:
     Attributes:
         rig: joints and servos.
         servos: the servos on their open ports.
+        board: what gives them their power, where it is on the bus.
         cycle: the cyclic exchange.
         watch: the judge of every reading.
         rate: the loop's timing.
         realtime: whether the system gave the loop real-time priority.
     """
 
-    def __init__(self, rig: Rig, port: str, *, at_end: StopPolicy = "off") -> None:
+    def __init__(self, rig: Rig, port: str, *, at_end: StopPolicy = "off", power_up: bool = True) -> None:
         """
         Args:
             rig: joints, servos and what stops them.
             port: the serial port, or several with commas between them.
             at_end: whether the servos go limp or hold their last goal once all went well.
+            power_up: whether the board may be told to give the servos power; else that it must be on.
         """
         self.rig, self.port = rig, port
         self.at_end: StopPolicy = at_end
+        self._power_up = power_up
         self._enabled = False
         self._goal: Floats | None = None
         self._interrupts = Interrupts()
@@ -70,17 +76,20 @@ class Driver:
             PortError: a port cannot be opened.
             LostServo: a servo does not answer.
             ModelMismatch: a servo is not the model that the robot's servo map says.
-            ServoFault: a servo reports a hardware error, or its watchdog tripped and nobody recovered it.
-            UnsafeCommand: a servo is not set up for the robot.
+            ServoFault: the servos have no power, a button of the board is pressed, or a servo reports an error.
+            UnsafeCommand: a servo is not set up for the robot, holds torque, or stands outside its joint's range.
+            BusFault: two servos have one id, or the servos cannot be read.
         """
         with ExitStack() as stack:
             self._interrupts = stack.enter_context(caught_interrupts())
             self.realtime = stack.enter_context(realtime_priority())
             buses = stack.enter_context(open_ports(self.port, self.rig.baud))
+            self._find_board(buses)
             self.servos = Servos.find(self.rig, buses, self._interrupts.check)
-            self._check_servos()
             self.cycle = Cycle(self.servos)
-            self.watch = Watch(self.rig, self.rig.safety, self._min_voltage())
+            min_voltage = self._min_voltage()
+            check_ready(self.servos, self.cycle, min_voltage, self._interrupts.check)
+            self.watch = Watch(self.rig, self.rig.safety, min_voltage)
             self.rate = Rate(1 / self.rig.cycle_s)
             self._stack = stack.pop_all()
         return self
@@ -98,7 +107,9 @@ class Driver:
             unconfirmed = torque_off(self.servos) if policy == "off" else disarm(self.servos)
             if unconfirmed:
                 state = "torque off" if policy == "off" else "hold"
-                warning = f"{state} NOT confirmed for {', '.join(unconfirmed)}: cut the power"
+                cut = policy == "off" and self.board is not None and self.board.cut()
+                done = f"{self.board.label} took the servos' power" if cut and self.board else "cut the power"
+                warning = f"{state} NOT confirmed for {', '.join(unconfirmed)}: {done}"
                 if isinstance(fault, StackError):
                     fault.args = (f"{fault}; {warning}",)
                 elif fault is not None:
@@ -115,14 +126,12 @@ class Driver:
             The first reading.
 
         Raises:
-            UnsafeCommand: a servo holds torque already and cannot be prepared without letting go, or stands outside
-                its joint's range.
             ServoFault: the first reading shows a fault.
+            LostServo, BusFault, PortError: a servo or the port failed.
         """
         self._map_state()
-        method = self.cycle.choose_method()
-        if method != "fast sync read":
-            say(f"warning: the firmware lacks Fast Sync Read, using {method}")
+        if self.cycle.method != "fast sync read":
+            say(f"warning: the firmware lacks Fast Sync Read, using {self.cycle.method}")
         self._enabled = True
         for i in range(len(self.servos)):
             self._interrupts.check()
@@ -132,6 +141,7 @@ class Driver:
         reading = self._read_all()
         self._goal = np.clip(reading.position, self.rig.lower, self.rig.upper)
         self.watch.check(reading, reading.position)
+        self._bring_in(reading)
         return reading
 
     def measure(self) -> Floats:
@@ -146,8 +156,8 @@ class Driver:
             UnsafeCommand: a goal outside the range of the joint or of the servo's position limits.
         """
         raw = self.rig.to_raw(goals)
-        for i in range(len(self.servos) if self.rig.settings.mode == "position" else 0):
-            low, high = (self.servos.read(i, f"{end} Position Limit") for end in ("Min", "Max"))
+        for i in range(len(self.servos)):
+            low, high = self._position_limits(i)
             if raw[:, i].min() < low or raw[:, i].max() > high:
                 raise UnsafeCommand(
                     f"{self.rig.label(i)} would go to {raw[:, i].min()}..{raw[:, i].max()}, its own position limits "
@@ -181,6 +191,7 @@ class Driver:
         for goal, command in zip(goals, raw, strict=True):
             self._interrupts.check()
             reading = self.cycle.exchange(command)
+            self.board_watch.check()
             try:
                 self.watch.check(reading, valid)
             except LostContact as lost:
@@ -214,23 +225,18 @@ class Driver:
             # Whatever went wrong here, what comes next is tried, and reports which servos do not answer.
             say(f"warning: could not hold still: {error}")
 
-    def _check_servos(self) -> None:
-        wanted = pose_settings(self.rig)
-        for i in range(len(self.servos)):
-            self._interrupts.check()
-            label = self.rig.label(i)
-            if error := self.servos.read(i, "Hardware Error Status"):
-                raise ServoFault(label, f"hardware error: {hardware_errors(error)}; run `servos reboot`")
-            if self.servos.read(i, "Bus Watchdog") == WATCHDOG_TRIPPED:
-                raise ServoFault(
-                    label, "its bus watchdog tripped: a stream before this one died; run `servos release` to recover it"
-                )
-            for register, value in wanted.items():
-                if (found := self.servos.read(i, register)) != value:
-                    words = f" ({self.rig.settings.mode})" if value == MODES[self.rig.settings.mode] else ""
-                    raise UnsafeCommand(
-                        f"{label} has {register} {found}, {self.rig.robot} needs {value}{words}; run `servos configure`"
-                    )
+    def _find_board(self, buses: tuple[Bus, ...]) -> None:
+        """See to it that the servos have power before they are looked for."""
+        self.board = Board.find(self.rig.board, buses)
+        self.board_watch = BoardWatch(self.board, self.rig.safety.lost_after)
+        if self.board is not None:
+            if self._power_up:
+                self.board.power_up()
+            elif fault := without_power(self.board):
+                raise fault
+            judge(self.board, self.board.state())
+        elif self.rig.board is not None:
+            say(f"note: no {self.rig.board.name} answers; the servos must have power from elsewhere")
 
     def _min_voltage(self) -> Floats:
         if self.rig.safety.voltage is not None:
@@ -239,31 +245,49 @@ class Driver:
         return np.array([to_si(self.servos.table(i), name, self.servos.read(i, name)) for i in range(len(self.servos))])
 
     def _map_state(self) -> None:
-        """Point the indirect addresses at the state; they are locked while the torque is on."""
+        """Point the indirect addresses at the state."""
         for i, identity in enumerate(self.rig.ids):
             self._interrupts.check()
             address, mapping = self.cycle.map_state(i)
-            if self.servos.bus(i).read_bytes(identity, address, len(mapping)) == mapping:
-                continue
-            if self.servos.read(i, "Torque Enable"):
-                raise UnsafeCommand(f"{self.rig.label(i)} already holds torque: support the robot, `servos release`")
-            self.servos.bus(i).write_bytes(identity, address, mapping, "indirect addresses")
+            if self.servos.bus(i).read_bytes(identity, address, len(mapping)) != mapping:
+                self.servos.bus(i).write_bytes(identity, address, mapping, "indirect addresses")
 
     def _prepare(self, i: int) -> None:
         """Goal where the horn is, gains and profile as the robot wants them, watchdog armed."""
-        self.servos.write(i, "Bus Watchdog", 0)
+        servos, position = self.servos, self.servos.read(i, "Present Position")
+        servos.write(i, "Bus Watchdog", 0)
         for register, value in ram_settings(self.rig, i).items():
-            self.servos.write(i, register, value)
-        position = self.servos.read(i, "Present Position")
-        angle = float(self.rig.to_angles(np.full(len(self.servos), position))[i])
-        if not self.rig.lower[i] - _SLACK <= angle <= self.rig.upper[i] + _SLACK:
-            raise UnsafeCommand(
-                f"{self.rig.label(i)} stands at {angle:.3f} rad, outside its range {self.rig.lower[i]:.3f} to "
-                f"{self.rig.upper[i]:.3f} rad: move it by hand or calibrate"
-            )
-        self.servos.write(i, "Goal Position", position)
-        watchdog = to_raw(self.servos.table(i), "Bus Watchdog", self.rig.safety.watchdog_s)
+            servos.write(i, register, value)
+        low, high = self._position_limits(i)
+        if low <= position <= high:
+            self.servos.write(i, "Goal Position", position)
+        watchdog = to_raw(servos.table(i), "Bus Watchdog", self.rig.safety.watchdog_s)
         self.servos.write(i, "Bus Watchdog", max(1, watchdog))
+
+    def _bring_in(self, reading: Reading) -> None:
+        """Let servos that stand a little outside their range return to its end at the ramp's speed.
+
+        No goal may lie out there, and the first one inside would be a jump: so the servos' own profile does it.
+        """
+        rig, goal = self.rig, np.clip(reading.position, self.rig.lower, self.rig.upper)
+        distance = np.abs(reading.position - goal)
+        outside = [int(i) for i in np.flatnonzero(distance > rig.tick)]
+        speed = rig.safety.ramp_speed
+        for i in outside:
+            for register, value in ("Profile Velocity", speed), ("Profile Acceleration", float(rig.acceleration[i])):
+                self.servos.write(i, register, max(1, to_raw(self.servos.table(i), register, value)))
+        if outside:
+            seconds = float((distance / speed + speed / rig.acceleration).max()) + _ARRIVAL_S
+            self.follow(np.tile(goal, (math.ceil(seconds / rig.cycle_s), 1)))
+        for i in outside:
+            for register, value in ram_settings(rig, i).items():
+                self.servos.write(i, register, value)
+
+    def _position_limits(self, i: int) -> tuple[int, int]:
+        """The servo's own limits of a goal position."""
+        if self.rig.settings.mode != "position":
+            return -_UNLIMITED, _UNLIMITED
+        return self.servos.read(i, "Min Position Limit"), self.servos.read(i, "Max Position Limit")
 
     def _read_all(self) -> Reading:
         """A reading in which every servo answered, or LostServo."""
@@ -279,6 +303,8 @@ class Driver:
     def _diagnose(self, suspects: tuple[int, ...]) -> StackError:
         """Who is gone: one silent servo silences all behind it in a group read, so ask each."""
         silent = [self.rig.label(i) for i in suspects if not self.servos.ping(i)]
+        if silent and (fault := without_power(self.board)):
+            return fault
         if silent:
             return LostServo(silent, f"for {self.rig.safety.lost_after} readings")
         names = ", ".join(self.rig.label(i) for i in suspects)

@@ -69,6 +69,7 @@ class Line:
     """Cyclic exchange with the servos of one port, which may be of several models with one layout.
 
     Attributes:
+        bus: the port.
         data: (n,) the last block of each servo.
         status: (n,) the error byte of each servo's last status packet.
         wire_s: time that a whole cycle's bytes take.
@@ -79,7 +80,7 @@ class Line:
         Raises:
             ModelMismatch: a model whose layout does not fit the block, or that of the others.
         """
-        self._bus, self._serial, self._ids = bus, bus.serial, ids
+        self.bus, self._serial, self._ids = bus, bus.serial, ids
         self._index = {identity: i for i, identity in enumerate(ids)}
         self.data = np.zeros(len(ids), dtype=BLOCK)
         self.status = np.zeros(len(ids), dtype=np.uint8)
@@ -110,7 +111,7 @@ class Line:
             request = encode(Packet(self._ids[i], Instruction.READ, self._span))
             asked[:] = False
             asked[i] = True
-        with self._bus.guarded():
+        with self.bus.guarded():
             self._serial.reset_input_buffer()
             self._serial.write(command + request)
         return asked
@@ -120,7 +121,7 @@ class Line:
 
         `deadline` is a time of `perf_counter`; None waits for as long as the port is set to.
         """
-        with self._bus.guarded():
+        with self.bus.guarded():
             if method == "fast sync read":
                 return self._receive_fast(deadline)
             return self._receive(len(self._ids) if method == "sync read" else 1, deadline)

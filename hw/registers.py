@@ -19,6 +19,14 @@ _SIGNED = frozenset(
     {"Homing Offset", "Goal PWM", "Goal Current", "Goal Velocity", "Goal Position", "Present PWM", "Present Load",
      "Present Current", "Present Velocity", "Present Position", "Velocity Trajectory", "Position Trajectory"}
 )  # fmt: skip
+_CANONICAL = {"BUS Watchdog": "Bus Watchdog", "Secondary ID": "Secondary(Shadow) ID"}
+"""What the files of some models call a register that all others call by another name."""
+_OLDER = "_fw"
+"""Mark of the file that holds for a model's firmware up to the version that follows."""
+_USUAL_FIRMWARE = 52
+_FAMILIES = ("X", "2X", "MX")
+_UNLIKE = frozenset({"XL320"})
+"""Of these letters, but with registers, units and modes of its own."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +86,7 @@ class ControlTable:
     Attributes:
         model: ROBOTIS's name, e.g. "XM430-W350".
         number: model number, as a ping reports it.
+        firmware: a version that it holds for: the last one of an older table.
         registers: by name.
         zero_position: raw position of 0 rad.
         rad_per_tick: rad of one position unit.
@@ -86,6 +95,7 @@ class ControlTable:
 
     model: str
     number: int
+    firmware: int
     registers: dict[str, Register]
     zero_position: int
     rad_per_tick: float
@@ -136,9 +146,20 @@ def _model_name(file: str) -> str:
     return file.removesuffix(".model").upper().replace("_", "-")
 
 
+def all_model_names() -> tuple[str, ...]:
+    """Names of all models that the SDK has a table for, whatever their family."""
+    return tuple(sorted(_numbers()))
+
+
 def model_names() -> tuple[str, ...]:
     """Names of all X-series models (the name starts with X, or 2X for the double ones)."""
     return tuple(sorted(name for name in _numbers() if name.startswith(("X", "2X"))))
+
+
+def is_driven(model: str) -> bool:
+    """Whether it is of a family whose registers, units and error bits this package knows: X, 2X, or MX with
+    Protocol 2.0. The PRO, P and Y series and grippers report other things under the same names."""
+    return model.startswith(_FAMILIES) and model not in _UNLIKE
 
 
 def model_name(number: int) -> str:
@@ -150,8 +171,8 @@ def model_name(number: int) -> str:
 
 
 @cache
-def control_table(model: str) -> ControlTable:
-    """The control table of a model by name.
+def control_table(model: str, firmware: int | None = None) -> ControlTable:
+    """The control table of a model by name, of its newest firmware where none is given.
 
     Raises:
         UnknownName: no such model.
@@ -159,17 +180,18 @@ def control_table(model: str) -> ControlTable:
     """
     if model not in _numbers():
         raise UnknownName("servo model", model, _numbers())
-    path = _folder() / f"{model.lower().replace('-', '_')}.model"
+    version, path = _file(model.lower().replace("-", "_"), firmware)
     try:
         sections = _sections(path.read_text(encoding="utf-8"))
         info = {row[0]: float(row[1]) for row in sections["type info"]}
-        rows = [(int(row[0]), int(row[1]), row[2]) for row in sections["control table"]]
+        rows = [(int(row[0]), int(row[1]), _CANONICAL.get(row[2], row[2])) for row in sections["control table"]]
         ram = next(address for address, _, name in rows if name == "Torque Enable")
         zero = int(info["value_of_zero_radian_position"])
         lowest = int(info["value_of_min_radian_position"])
         return ControlTable(
             model=model,
             number=_numbers()[model],
+            firmware=version,
             registers={name: _register(name, address, size, ram) for address, size, name in rows},
             zero_position=zero,
             rad_per_tick=-info["min_radian"] / (zero - lowest),
@@ -177,6 +199,25 @@ def control_table(model: str) -> ControlTable:
         )
     except (OSError, KeyError, IndexError, ValueError, StopIteration) as error:
         raise InvalidFile(str(path), f"not a readable control table ({type(error).__name__}: {error})") from None
+
+
+def _older(stem: str) -> list[tuple[int, Traversable]]:
+    """Last firmware version and file of each older table of a model, the oldest first."""
+    found: list[tuple[int, Traversable]] = []
+    for file in _folder().iterdir():
+        name, mark, version = file.name.removesuffix(".model").partition(_OLDER)
+        if mark and name == stem and version.isdigit():
+            found.append((int(version), file))
+    return sorted(found, key=lambda item: item[0])
+
+
+def _file(stem: str, firmware: int | None) -> tuple[int, Traversable]:
+    """A version that a model's table holds for, and its file."""
+    older = _older(stem)
+    for version, file in older if firmware is not None else ():
+        if firmware is not None and firmware <= version:
+            return version, file
+    return older[-1][0] + 1 if older else _USUAL_FIRMWARE, _folder() / f"{stem}.model"
 
 
 def _sections(text: str) -> dict[str, list[list[str]]]:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hw.calibration import Calibration
-from hw.registers import ControlTable, control_table
+from hw.registers import ControlTable, control_table, is_driven
 from ros_free_stack.errors import InvalidOption, ModelMismatch, UnknownName, UnsafeCommand
 from ros_free_stack.messages import Bools, Floats
-from ros_free_stack.robots import RobotDescription, ServoSafety, ServoSettings
+from ros_free_stack.robots import RobotDescription, ServoBoard, ServoSafety, ServoSettings
 
 Raw = NDArray[np.int64]
 
@@ -25,11 +25,12 @@ class Rig:
         joints: names.
         skipped: joints of the robot's servo map that this rig does not have.
         ids: servo ids.
-        tables: control table of each servo's model.
+        tables: control table of each servo's model, of its newest firmware; `Servos` knows each one's own.
         baud: bits a second.
         cycle_s: control cycle.
         settings: how the servos are set up.
         safety: what stops a stream.
+        board: what gives the servos their power, if that is a device on their bus.
         direction: (N,) 1 or -1: sense of the servo against the joint.
         offset: (N,) servo angle at joint angle 0, rad.
         lower, upper: (N,) joint range, rad.
@@ -45,6 +46,7 @@ class Rig:
     cycle_s: float
     settings: ServoSettings
     safety: ServoSafety
+    board: ServoBoard | None
     direction: Floats
     offset: Floats
     lower: Floats
@@ -61,7 +63,7 @@ class Rig:
         Raises:
             InvalidOption: the robot has no servos, or no joint is left.
             UnknownName: a joint that has none, or a servo model without a control table.
-            ModelMismatch: a joint that the calibration does not cover.
+            ModelMismatch: a joint that the calibration does not cover, or a model of a family that is not driven.
         """
         servos = robot.servos
         if servos is None:
@@ -81,11 +83,12 @@ class Rig:
             joints=wanted,
             skipped=tuple(joint for joint in robot.joints if joint in servos.ids and joint not in wanted),
             ids=tuple(servos.ids[joint] for joint in wanted),
-            tables=tuple(control_table(servos.model_of(joint)) for joint in wanted),
+            tables=tuple(_driven(joint, servos.model_of(joint)) for joint in wanted),
             baud=servos.baud,
             cycle_s=servos.cycle_s,
             settings=servos.settings,
             safety=servos.safety,
+            board=servos.board,
             direction=np.array([float(known[joint].direction) for joint in wanted]),
             offset=np.array([known[joint].offset for joint in wanted]),
             lower=np.array([max(item.lower, known[j].lower) for item, j in zip(limits, wanted, strict=True)]),
@@ -148,6 +151,16 @@ class Rig:
                 f"goal {k} of {self.label(int(joint))} asks for {speed[k, joint]:.2f} rad/s, "
                 f"limit {self.velocity[joint]:.2f} rad/s"
             )
+
+
+def _driven(joint: str, model: str) -> ControlTable:
+    table = control_table(model)
+    if not is_driven(model):
+        raise ModelMismatch(
+            f"{joint} has a servo {model}, whose registers mean other things; driven are the X series (but not XL320) "
+            "and MX with Protocol 2.0"
+        )
+    return table
 
 
 _ROUNDING = 1e-3

@@ -8,7 +8,7 @@ from hw.bus import error_name
 from hw.cycle import Reading
 from hw.rig import Rig
 from ros_free_stack.errors import BusFault, DeadlineFault, ServoFault, StackError
-from ros_free_stack.messages import Floats
+from ros_free_stack.messages import Bools, Floats
 from ros_free_stack.robots import ServoSafety
 
 HARDWARE_ERRORS = {0: "input voltage", 2: "overheating", 3: "motor encoder", 4: "electrical shock", 5: "overload"}
@@ -45,12 +45,14 @@ class Watch:
     _missed: np.ndarray = field(init=False)
     _off_track_s: np.ndarray = field(init=False)
     _strained_s: np.ndarray = field(init=False)
+    _unread_s: np.ndarray = field(init=False)
     _late: int = 0
 
     def __post_init__(self) -> None:
         self._missed = np.zeros(len(self.rig.joints), dtype=int)
         self._off_track_s = np.zeros(len(self.rig.joints))
         self._strained_s = np.zeros(len(self.rig.joints))
+        self._unread_s = np.zeros(len(self.rig.joints))
         self._strain = np.where(self.rig.measures_current, self.limits.current, self.limits.load)
 
     def check(self, reading: Reading, goal: Floats) -> None:
@@ -70,8 +72,10 @@ class Watch:
         fault = self._fault(reading)
         if fault is not None:
             raise fault
+        self._unread_s += self.rig.cycle_s
         self._load(reading)
         self._follow(reading, goal)
+        self._unread_s[reading.fresh] = 0.0
 
     def _blame_refusals(self, reading: Reading) -> None:
         refusing = (self._missed > 0) & (reading.refusal > 0)
@@ -105,7 +109,7 @@ class Watch:
 
     def _load(self, reading: Reading) -> None:
         strained = np.abs(reading.current) > self._strain
-        self._strained_s = np.where(strained, self._strained_s + self.rig.cycle_s, 0.0)
+        self._strained_s = self._lasting(self._strained_s, strained, reading)
         if (self._strained_s > self.limits.current_s).any():
             i = int(np.argmax(self._strained_s))
             unit = "A" if self.rig.measures_current[i] else "of full load"
@@ -115,11 +119,15 @@ class Watch:
                 f"{self._strain[i]:g} {unit} for {self.limits.current_s:g} s: blocked or overloaded",
             )
 
+    def _lasting(self, seconds: Floats, bad: Bools, reading: Reading) -> Floats:
+        """For how long something has been bad. An old reading says nothing; a new one speaks for the time since."""
+        return np.where(reading.fresh, np.where(bad, seconds + self._unread_s, 0.0), seconds)
+
     def _follow(self, reading: Reading, goal: Floats) -> None:
         error = np.abs(reading.position - goal)
         self.max_following_error = max(self.max_following_error, float(error[reading.fresh].max(initial=0.0)))
         off = error > self.limits.following_error
-        self._off_track_s = np.where(off, self._off_track_s + self.rig.cycle_s, 0.0)
+        self._off_track_s = self._lasting(self._off_track_s, off, reading)
         if (self._off_track_s > self.limits.following_s).any():
             i = int(np.argmax(self._off_track_s))
             raise ServoFault(

@@ -1,12 +1,14 @@
-"""The servos of a rig, on one serial port or several: found, checked and addressed by their place in the rig."""
+"""The servos of a rig, on one serial port or several, addressed by their place in the rig."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 
 from hw.bus import Bus
 from hw.registers import ControlTable
 from hw.rig import Rig
-from ros_free_stack.errors import InvalidOption, LostServo, ModelMismatch, PortError
+from hw.roll_call import Answer, roll_call
+from ros_free_stack.errors import BusFault, InvalidOption, LostServo, ModelMismatch, PortError, UnsafeCommand
 
 
 def split_ports(ports: str) -> tuple[str, ...]:
@@ -24,80 +26,48 @@ def open_ports(ports: str, baud: int) -> Iterator[tuple[Bus, ...]]:
         yield tuple(stack.enter_context(Bus(port, baud)) for port in split_ports(ports))
 
 
-class Servos:
-    """The servos of a rig by index, each behind the port that it answered on.
+@dataclass(frozen=True)
+class Unit:
+    """One servo that answers: the port that it is on, its id, its control table, and its name for people."""
 
-    Attributes:
-        rig: joints and servos.
-        buses: the open ports.
-        place: index of each servo's port in `buses`.
-    """
+    bus: Bus
+    id: int
+    table: ControlTable
+    label: str
 
-    def __init__(self, rig: Rig, buses: tuple[Bus, ...], place: tuple[int, ...]) -> None:
-        self.rig, self.buses, self.place = rig, buses, place
 
-    @classmethod
-    def find(cls, rig: Rig, buses: tuple[Bus, ...], check: Callable[[], None] = lambda: None) -> "Servos":
-        """Find every servo of the rig and check its model.
+class Group:
+    """Servos by index, each behind the port that it answered on."""
 
-        Args:
-            rig: joints and servos.
-            buses: the open ports.
-            check: called before each servo; may raise to give up.
-
-        Raises:
-            LostServo: servos that answer on no port; names all of them.
-            ModelMismatch: a servo is not the model that the robot's servo map says, or answers on two ports.
-        """
-        heard = [{device.id for device in bus.scan()} for bus in buses] if len(buses) > 1 else [set[int]()]
-        place: list[int] = []
-        silent: list[str] = []
-        for i, identity in enumerate(rig.ids):
-            check()
-            where = [k for k, ids in enumerate(heard) if identity in ids]
-            if len(where) > 1:
-                ports = " and ".join(buses[k].port for k in where)
-                raise ModelMismatch(f"{rig.label(i)} answers on {ports}: ids must be distinct")
-            # A reply to the broadcast may have been lost: ask by name on every port.
-            found = {k: model for k in (where or range(len(buses))) if (model := buses[k].ping(identity)) is not None}
-            if not found:
-                silent.append(rig.label(i))
-                continue
-            k, model = next(iter(found.items()))
-            if model != rig.tables[i].model:
-                raise ModelMismatch(
-                    f"{rig.label(i)} is an {model}, the servo map of {rig.robot} says {rig.tables[i].model}"
-                )
-            place.append(k)
-        if silent:
-            ports = ", ".join(bus.port for bus in buses)
-            raise LostServo(
-                silent, f"to a ping at {rig.baud} baud on {ports}; on a rig without them, name the others with --joints"
-            )
-        return cls(rig, buses, tuple(place))
+    def __init__(self, units: Iterable[Unit]) -> None:
+        self.units = tuple(units)
 
     def __len__(self) -> int:
-        return len(self.rig.ids)
+        return len(self.units)
 
     def bus(self, index: int) -> Bus:
         """The port of a servo."""
-        return self.buses[self.place[index]]
+        return self.units[index].bus
 
     def table(self, index: int) -> ControlTable:
-        """The control table of a servo."""
-        return self.rig.tables[index]
+        """The control table of a servo: of its model and firmware."""
+        return self.units[index].table
+
+    def label(self, index: int) -> str:
+        """A servo's name for people."""
+        return self.units[index].label
 
     def ping(self, index: int) -> bool:
         """Whether a servo answers."""
-        return self.bus(index).ping(self.rig.ids[index]) is not None
+        return self.bus(index).ping(self.units[index].id) is not None
 
     def read(self, index: int, register: str) -> int:
         """Raw value of a register; errors as `Bus.read`."""
-        return self.bus(index).read(self.rig.ids[index], self.table(index), register)
+        return self.bus(index).read(self.units[index].id, self.table(index), register)
 
     def write(self, index: int, register: str, value: int) -> None:
         """Write a raw value to a register; errors as `Bus.write`."""
-        self.bus(index).write(self.rig.ids[index], self.table(index), register, value)
+        self.bus(index).write(self.units[index].id, self.table(index), register, value)
 
     def write_together(self, indices: Iterable[int], register: str, value: int) -> None:
         """Write one raw value to several servos without waiting for answers; a lost port does not keep the others back.
@@ -105,16 +75,95 @@ class Servos:
         Raises:
             PortError: a port went away; the others were written.
         """
-        groups: dict[tuple[int, int, int], list[int]] = {}
+        groups: dict[tuple[str, int, int], list[int]] = {}
         for i in indices:
             item = self.table(i)[register]
-            groups.setdefault((self.place[i], item.address, item.size), []).append(i)
+            groups.setdefault((self.bus(i).port, item.address, item.size), []).append(i)
         lost: PortError | None = None
-        for (place, _, _), members in groups.items():
+        for members in groups.values():
             try:
-                identities = [self.rig.ids[i] for i in members]
-                self.buses[place].write_together(identities, self.table(members[0]), register, value)
+                identities = [self.units[i].id for i in members]
+                self.bus(members[0]).write_together(identities, self.table(members[0]), register, value)
             except PortError as error:
                 lost = error
         if lost is not None:
             raise lost
+
+
+class Servos(Group):
+    """All servos of a rig, in its order.
+
+    Attributes:
+        rig: joints and servos.
+        buses: the open ports.
+        place: index of each servo's port in `buses`.
+        mute: indices of the servos that answer pings and nothing else, so that their registers cannot be read.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        buses: tuple[Bus, ...],
+        place: tuple[int, ...],
+        *,
+        tables: tuple[ControlTable, ...] | None = None,
+        mute: Iterable[int] = (),
+    ) -> None:
+        self.rig, self.buses, self.place, self.mute = rig, buses, place, frozenset(mute)
+        tables = rig.tables if tables is None else tables
+        super().__init__(Unit(buses[k], rig.ids[i], tables[i], rig.label(i)) for i, k in enumerate(place))
+
+    @classmethod
+    def find(
+        cls,
+        rig: Rig,
+        buses: tuple[Bus, ...],
+        check: Callable[[], None] = lambda: None,
+        *,
+        mute_too: bool = False,
+    ) -> "Servos":
+        """Find every servo of the rig and check its model.
+
+        Args:
+            rig: joints and servos.
+            buses: the open ports.
+            check: called before each servo; may raise to give up.
+            mute_too: take also servos that answer pings alone, for who can mend that.
+
+        Raises:
+            LostServo: servos that answer on no port; names all of them.
+            ModelMismatch: a servo is not the model that the robot's servo map says, or answers on two ports.
+            BusFault: two servos have one id.
+            UnsafeCommand: a servo answers pings alone.
+        """
+        answers = roll_call(rig, buses, check)
+        for answer in answers:
+            _refuse(rig, buses, answer, mute_too=mute_too)
+        if silent := [rig.label(answer.index) for answer in answers if not answer.places]:
+            ports = ", ".join(bus.port for bus in buses)
+            raise LostServo(
+                silent, f"to a ping at {rig.baud} baud on {ports}; on a rig without them, name the others with --joints"
+            )
+        return cls(
+            rig,
+            buses,
+            tuple(answer.places[0] for answer in answers),
+            tables=tuple(answer.table or rig.tables[answer.index] for answer in answers),
+            mute=(answer.index for answer in answers if answer.mute),
+        )
+
+
+def _refuse(rig: Rig, buses: tuple[Bus, ...], answer: Answer, *, mute_too: bool) -> None:
+    """Raise what keeps a servo that answers from being used."""
+    label = rig.label(answer.index)
+    if len(answer.places) > 1:
+        ports = " and ".join(buses[k].port for k in answer.places)
+        raise ModelMismatch(f"{label} answers on {ports}: ids must be distinct")
+    if answer.device is not None and answer.device.model != rig.tables[answer.index].model:
+        raise ModelMismatch(
+            f"{label} is an {answer.device.model}, the servo map of {rig.robot} says {rig.tables[answer.index].model}"
+        )
+    if answer.damaged:
+        raise BusFault(f"{label}: {answer.damaged}")
+    if answer.mute and not mute_too:
+        raise UnsafeCommand(f"{label} answers pings only, its status return level is 0: run `servos configure --write`")

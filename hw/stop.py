@@ -5,7 +5,7 @@ import time
 from hw.cycle import Cycle
 from hw.line import WATCHDOG_TRIPPED
 from hw.rig import Raw
-from hw.servos import Servos
+from hw.servos import Group
 from ros_free_stack.errors import BusFault, LostServo, PortError
 
 _SHOTS = 5
@@ -23,7 +23,7 @@ def hold(cycle: Cycle, goals: Raw, seconds: float, cycle_s: float) -> None:
         time.sleep(cycle_s)
 
 
-def torque_off(servos: Servos, *, recover: bool = False) -> tuple[str, ...]:
+def torque_off(servos: Group, *, recover: bool = False) -> tuple[str, ...]:
     """Switch the torque of every servo off and read back that it is; disarm the watchdogs.
 
     A watchdog that has tripped stays so, and keeps the servo from moving, unless `recover`.
@@ -42,21 +42,21 @@ def torque_off(servos: Servos, *, recover: bool = False) -> tuple[str, ...]:
         left = [i for i in left if not _is_off(servos, i, recover=recover)]
         if not left:
             break
-    return tuple(servos.rig.label(i) for i in left)
+    return tuple(servos.label(i) for i in left)
 
 
-def disarm(servos: Servos) -> tuple[str, ...]:
+def disarm(servos: Group) -> tuple[str, ...]:
     """Switch the watchdogs off, so that the servos hold when nobody speaks; return who did not confirm it."""
     left: list[str] = []
     for i in range(len(servos)):
         try:
             servos.write(i, "Bus Watchdog", 0)
         except (LostServo, BusFault, PortError):
-            left.append(servos.rig.label(i))
+            left.append(servos.label(i))
     return tuple(left)
 
 
-def _is_off(servos: Servos, i: int, *, recover: bool) -> bool:
+def _is_off(servos: Group, i: int, *, recover: bool) -> bool:
     try:
         if servos.read(i, "Torque Enable"):
             servos.write(i, "Torque Enable", 0)

@@ -12,11 +12,13 @@ from hw.calibration import load_calibration
 from hw.driver import Driver
 from hw.gate import let_through
 from hw.goals import goals_of
+from hw.outputs import check_output
 from hw.rig import Rig
 from hw.servos import open_ports
 from hw.telemetry import Recording
 from hw.virtual.bus import VirtualBus
 from ros_free_stack.console import say
+from ros_free_stack.errors import StackError
 from ros_free_stack.files import make_folder, save_telemetry
 from ros_free_stack.messages import Floats, Mount, RobotTrajectory, Verdict
 from ros_free_stack.rate import RateStatistics
@@ -122,6 +124,7 @@ def stream(
             refused.
         ModelMismatch: robot, trajectory and servos do not belong together.
         InvalidFile: the calibration cannot be read, or the telemetry not be written; said before anything moves.
+        InvalidOption: the telemetry would overwrite the calibration.
         HardwareFault: port, bus or servo failed; the servos were stopped.
         KeyboardInterrupt: Ctrl-C or SIGTERM; the servos were stopped.
     """
@@ -132,7 +135,12 @@ def stream(
     goals, smoothed = goals_of(path, rig), smoothing_error(trajectory)
     if telemetry is not None:
         make_folder(telemetry.parent)
-    with opened_port(port, robot) as opened, Driver(rig, opened, at_end=at_end) as driver:
+        size = Recording.size(rig, len(goals))
+        check_output("--telemetry", telemetry, inputs={"--calibration": calibration}, size=size)
+    with (
+        opened_port(port, robot, powered=False) as opened,
+        Driver(rig, opened, at_end=at_end, power_up=not dry_run or port == SIMULATED) as driver,
+    ):
         for bus in driver.servos.buses:
             if not bus.latency.ok:
                 say(f"warning: latency timer of {bus.port} {bus.latency.words}")
@@ -140,20 +148,20 @@ def stream(
         if check_way is None:
             say("note: nobody looked whether the robot runs into itself on the way to the first pose")
         else:
-            check_way(rig.joints, driver.ramp_to(goals[0]))
+            check_way(rig.joints, np.vstack([driver.measure(), driver.ramp_to(goals[0])]))
         if dry_run:
-            driver.measure()
             return _report(driver, port, mount, smoothed, Recording(rig, 0), dry_run=True)
         driver.enable()
         way_in = driver.ramp_to(goals[0])
         recording = Recording(rig, len(way_in) + len(goals))
+        notes: list[str] = []
         try:
             driver.follow(way_in, recording.add)
             driver.follow(goals, recording.add)
         finally:
             if telemetry is not None and recording.cycles:
-                save_telemetry(telemetry, recording.message())
-        return _report(driver, port, mount, smoothed, recording, dry_run=False)
+                notes = _saved(telemetry, recording)
+        return _report(driver, port, mount, smoothed, recording, dry_run=False, notes=notes)
 
 
 def check_port(
@@ -173,22 +181,42 @@ def check_port(
             pass
 
 
+def _saved(telemetry: Path, recording: Recording) -> list[str]:
+    """Keep the recording; a failure is told, and changes nothing about what the robot does."""
+    try:
+        save_telemetry(telemetry, recording.message())
+    except (StackError, OSError) as error:
+        say(f"warning: no telemetry: {error}")
+        return [f"no telemetry: {error}"]
+    return []
+
+
 def _rig(robot: RobotDescription, joints: Iterable[str] | None, calibration: Path | None) -> Rig:
     return Rig.of_robot(robot, calibration=load_calibration(calibration, robot) if calibration else None, only=joints)
 
 
 @contextmanager
-def opened_port(port: str, robot: RobotDescription) -> Iterator[str]:
-    """The path of a port, or of several; "sim" starts an emulated bus of the robot's servos while it is used."""
+def opened_port(port: str, robot: RobotDescription, *, powered: bool = True) -> Iterator[str]:
+    """The path of a port, or of several; "sim" starts an emulated bus of the robot's servos while it is used.
+
+    Unless `powered`, the emulated servos wait for their board's switch, as in a robot just started.
+    """
     if port != SIMULATED:
         yield port
         return
-    with VirtualBus.of_robot(robot, timed=True) as bus:
+    with VirtualBus.of_robot(robot, timed=True, powered=powered) as bus:
         yield bus.port
 
 
 def _report(
-    driver: Driver, port: str, mount: Mount, smoothed: float, recording: Recording, *, dry_run: bool
+    driver: Driver,
+    port: str,
+    mount: Mount,
+    smoothed: float,
+    recording: Recording,
+    *,
+    dry_run: bool,
+    notes: Iterable[str] = (),
 ) -> StreamReport:
     rig = driver.rig
     rate = None if dry_run else driver.rate.statistics()
@@ -204,7 +232,7 @@ def _report(
         latency_timer=tuple(f"{bus.port}: {bus.latency.words}" for bus in driver.servos.buses),
         realtime=driver.realtime,
         lost_replies=driver.watch.lost_replies,
-        errors=_complaints(driver, rate),
+        errors=(*_complaints(driver, rate), *notes),
         following_error_rad=driver.watch.max_following_error,
         following_error_rms_rad=float(np.sqrt(np.mean(error**2))) if error.size else 0.0,
         smoothing_error_rad=smoothed,
@@ -224,4 +252,6 @@ def _complaints(driver: Driver, rate: RateStatistics | None) -> tuple[str, ...]:
         found.append(f"{driver.watch.lost_replies} readings were lost")
     if driver.cycle.method != "fast sync read":
         found.append(f"no Fast Sync Read: used {driver.cycle.method}")
+    if driver.board is not None and driver.board.lowest_v < driver.board.settings.low_voltage:
+        found.append(f"the battery is low: {driver.board.lowest_v:.1f} V at least")
     return tuple(found)

@@ -19,6 +19,11 @@ class Recording:
         self._columns = {name: np.zeros(shape) for name in ("goal", *ServoTelemetry.MEASURED)}
         self._fresh = np.zeros(shape, dtype=bool)
 
+    @staticmethod
+    def size(rig: Rig, cycles: int) -> int:
+        """Bytes that a file of so many cycles takes at most; the way in is taken to last as long as the rest."""
+        return 2 * cycles * len(rig.joints) * (8 * (1 + len(ServoTelemetry.MEASURED)) + 1) + 1_000_000
+
     def add(self, time_s: float, late_s: float, goal: Floats, reading: Reading) -> None:
         """Record one cycle."""
         k = self.cycles

@@ -41,7 +41,7 @@ _FIXED = {
 }
 
 
-_AMPERES = (("330", 1e-3), ("XH430-V", 1.34e-3), ("", 2.69e-3))
+_AMPERES = (("330", 1e-3), ("XH430-V", 1.34e-3), ("MX-", 3.36e-3), ("", 2.69e-3))
 """A of one unit of current by part of the model's name, the first that fits (e-Manual, "Goal Current")."""
 
 

@@ -36,7 +36,7 @@ class Simulate(Command):
 
         robot = load_robot(self.robot)
         world = ServoWorld(robot, mount=self.mount)
-        bus = VirtualBus.of_robot(robot, timed=True, world=world)
+        bus = VirtualBus.of_robot(robot, timed=True, world=world, powered=False)
         try:
             with bus:
                 self.report({"port": bus.port, "out": str(self.out)}, bus.port)

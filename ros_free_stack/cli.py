@@ -68,6 +68,7 @@ class RobotsShow(Command):
             settings, safety = asdict(robot.servos.settings), asdict(robot.servos.safety)
             result |= {"baud": robot.servos.baud, "cycle_s": robot.servos.cycle_s}
             result |= {"servo_settings": settings, "servo_safety": safety}
+            result |= {"servo_board": asdict(robot.servos.board) if robot.servos.board else None}
         if self.json:
             self.report(result)
         else:
@@ -88,6 +89,8 @@ class RobotsShow(Command):
             print(f"servos at {robot.servos.baud} baud, one cycle in {1e3 * robot.servos.cycle_s:g} ms")
             print(f"servo settings: {_items(asdict(robot.servos.settings))}")
             print(f"servo safety: {_items(asdict(robot.servos.safety))}")
+            if robot.servos.board is not None:
+                print(f"servo board: {_items(asdict(robot.servos.board))}")
 
 
 def _row(name: str, path: Path) -> dict[str, Any]:

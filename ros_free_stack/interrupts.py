@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a lost terminal as a flag, so that nothing is cut in the middle: no controlled stop, no lock."""
+"""Ctrl-C, the quit key, SIGTERM and a lost terminal as a flag, so that no controlled stop and no lock is cut in two."""
 
 import signal
 import threading
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGQUIT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 @dataclass
@@ -24,7 +24,7 @@ class Interrupts:
 
 @contextmanager
 def caught_interrupts() -> Generator[Interrupts]:
-    """Catch SIGINT, SIGTERM and SIGHUP for a while; not outside the main thread, where Python allows no handlers."""
+    """Catch SIGINT, SIGQUIT, SIGTERM and SIGHUP for a while; outside the main thread no handler may be set."""
     interrupts = Interrupts()
     if threading.current_thread() is not threading.main_thread():
         yield interrupts

@@ -4,24 +4,21 @@ with VirtualBus.of_robot(load_robot("op3")) as bus:
     driver.open(bus.port)
 """
 
-import os
-import select
-import termios
 import threading
 import time
-import tty
 from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
 from hw.pace import realtime_priority
 from hw.protocol import Instruction, Packet, encode
-from hw.virtual.factory import BAUD_RATES
+from hw.virtual.board import Board
 from hw.virtual.faults import WIRE, Fault, Faults
 from hw.virtual.motor import MotorModel
 from hw.virtual.network import Network, Reply
 from hw.virtual.receiver import Damaged, Receiver
 from hw.virtual.servo import Servo
+from hw.virtual.terminal import Terminal
 from hw.virtual.world import World
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.robots import RobotDescription
@@ -31,8 +28,6 @@ _QUIET_S = 0.1
 _SPARE_S = 1e-3
 """Wire time in which the servos' own step, some 0.3 ms of computation, surely fits."""
 _BITS_PER_BYTE = 10
-_RATES = {getattr(termios, f"B{rate}"): rate for rate in BAUD_RATES if hasattr(termios, f"B{rate}")}
-"""The terminal's code of each rate that it knows by name."""
 
 
 class VirtualBus:
@@ -49,22 +44,24 @@ class VirtualBus:
     def __init__(
         self, servos: Iterable[Servo], *, timed: bool = False, unsupported: Iterable[Instruction] = (),
         faults: Faults | None = None, planned: Iterable[Fault] = (), world: World | None = None,
+        board: Board | None = None,
     ) -> None:  # fmt: skip
         """A bus; with `timed` the baud rate counts as on a wire.
 
         Args:
-            servos: with distinct ids.
+            servos: two with one id speak at once, as on a wire.
             timed: answers take as long as their bytes take at the rate at which the port was opened, and servos that
                 are set to another rate do not hear; else they come at once, whatever the rates.
             unsupported: instructions that the firmware does not know.
             faults: what goes wrong on the wire at random.
             planned: faults that are to come.
             world: what the servos move; None lets each turn its own inertia.
+            board: what gives the servos their power; None leaves it on.
 
         Raises:
             InvalidOption: a planned fault is of a servo that there is not.
         """
-        self.network = Network(servos, unsupported=unsupported, world=world)
+        self.network = Network(servos, unsupported=unsupported, world=world, board=board)
         self.faults = faults or Faults()
         self.happened: list[tuple[float, Fault]] = []
         self.port = ""
@@ -81,9 +78,11 @@ class VirtualBus:
     @classmethod
     def of_robot(
         cls, robot: RobotDescription, *, timed: bool = False, unsupported: Iterable[Instruction] = (),
-        faults: Faults | None = None, planned: Iterable[Fault] = (), world: World | None = None,
+        faults: Faults | None = None, planned: Iterable[Fault] = (), world: World | None = None, powered: bool = True,
     ) -> "VirtualBus":  # fmt: skip
         """The bus of a robot's servo map, every joint at its standing pose; the rest is as in a new VirtualBus.
+
+        A board that the description names is on it; unless `powered`, its switch is off, as in a robot just started.
 
         Raises:
             InvalidOption: the robot has no servo map, or a planned fault is of a servo that there is not.
@@ -102,7 +101,16 @@ class VirtualBus:
             for joint, limits in robot.joints.items()
             if joint in servo_map.ids
         ]
-        return cls(servos, timed=timed, unsupported=unsupported, faults=faults, planned=planned, world=world)
+        board = None if servo_map.board is None else Board(servo_map.board, servo_map.baud, powered=powered)
+        return cls(
+            servos,
+            timed=timed,
+            unsupported=unsupported,
+            faults=faults,
+            planned=planned,
+            world=world,
+            board=board,
+        )
 
     def servo(self, identity: int) -> Servo:
         """The servo with an id (its table changes while the bus runs: use `locked` for more than one look)."""
@@ -134,9 +142,10 @@ class VirtualBus:
 
     def start(self) -> str:
         """Open the pseudo terminal, serve it, and return the path of its port."""
-        self._master, self._slave = os.openpty()
-        tty.setraw(self._slave)
-        self.port = os.ttyname(self._slave)
+        self._terminal = Terminal()
+        self.port = self._terminal.port
+        if self.network.board is not None:
+            self.network.board.switch(self.network.all_servos)
         self._now = time.perf_counter()
         self._thread = threading.Thread(target=self._serve, name="virtual-bus", daemon=True)
         self._thread.start()
@@ -149,8 +158,7 @@ class VirtualBus:
         self._stop.set()
         self._thread.join()
         self._thread = None
-        os.close(self._master)
-        os.close(self._slave)
+        self._terminal.close()
 
     def __enter__(self) -> Self:
         self.start()
@@ -168,9 +176,8 @@ class VirtualBus:
     def _serve_packets(self) -> None:
         receiver, arrived = Receiver(), self._now
         while not self._stop.is_set():
-            readable, _, _ = select.select([self._master], [], [], max(0.0, self._now + _TICK_S - time.perf_counter()))
-            if readable:
-                data = os.read(self._master, 4096)
+            data = self._terminal.read(max(0.0, self._now + _TICK_S - time.perf_counter()))
+            if data:
                 arrived = time.perf_counter()
                 self._first_heard = self._first_heard or arrived
                 for item in receiver.feed(data):
@@ -227,15 +234,14 @@ class VirtualBus:
             self._advance()  # while the wire is busy: after the answer it would keep the next instruction waiting
         _sleep_until(due)
         if data:
-            os.write(self._master, data)
+            self._terminal.write(data)
 
     def _byte_s(self) -> float:
         """Time of one byte, s; also tells the servos at which rate the host speaks."""
         if not self._timed:
             return 0.0
-        # The terminal knows 4.5 Mbps by no name.
-        self.network.rate = rate = _RATES.get(termios.tcgetattr(self._slave)[5], BAUD_RATES[-1])
-        return _BITS_PER_BYTE / rate
+        self.network.rate = rate = self._terminal.rate
+        return _BITS_PER_BYTE / max(rate, 1)
 
 
 def _sleep_until(due: float) -> None:

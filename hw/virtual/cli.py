@@ -27,6 +27,8 @@ class ServosEmulate(Command):
 
     robot: str = "op3"
     """Robot whose servos are emulated."""
+    powered: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Begin with the board's switch on; else the servos of a robot with one wait for it, as in a robot just started."""
     untimed: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Answer at once instead of after the time that the bytes take on the wire, and at any baud rate."""
     fault: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
@@ -39,10 +41,15 @@ class ServosEmulate(Command):
     def run(self) -> int:
         planned = [Fault.parse(text) for text in self.fault]
         robot, faults = load_robot(self.robot), Faults(seed=self.seed)
-        with VirtualBus.of_robot(robot, timed=not self.untimed, faults=faults, planned=planned) as bus:
+        with VirtualBus.of_robot(
+            robot, timed=not self.untimed, faults=faults, planned=planned, powered=self.powered
+        ) as bus:
             self.report({"port": bus.port, "servos": sorted(bus.network.servos)}, bus.port)
             sys.stdout.flush()
             say("emulating; stop with Ctrl-C")
+            if bus.network.board is not None and not self.powered:
+                name = bus.network.board.settings.name
+                say(f"the servos have no power until the {name} gives it: `servos power on`, a stream, or --powered")
             told = 0
             try:
                 while True:

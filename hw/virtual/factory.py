@@ -3,17 +3,19 @@
 Source: ROBOTIS e-Manual, X series, control tables.
 """
 
+from hw.bus import BAUD_RATES
 from hw.registers import ControlTable
 
-BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
 CURRENT, VELOCITY, POSITION, EXTENDED, CURRENT_POSITION, PWM = 0, 1, 3, 4, 5, 16
 REVERSE, TIME_BASED, TORQUE_ON_BY_GOAL = 1 << 0, 1 << 2, 1 << 3
 """Bits of Drive Mode."""
+INPUT_VOLTAGE, OVERHEATING, ENCODER, SHOCK, OVERLOAD = 1 << 0, 1 << 2, 1 << 3, 1 << 4, 1 << 5
+"""Bits of Hardware Error Status and Shutdown."""
 MULTI_TURN = 1_048_575
 """Largest position of the modes that turn more than once."""
 
 _XM430 = {
-    "Firmware Version": 52, "ID": 1, "Baud Rate": 1, "Return Delay Time": 250, "Operating Mode": POSITION,
+    "ID": 1, "Baud Rate": 1, "Return Delay Time": 250, "Operating Mode": POSITION,
     "Secondary(Shadow) ID": 255, "Protocol Type": 2, "Moving Threshold": 10, "Temperature Limit": 80,
     "Max Voltage Limit": 160, "Min Voltage Limit": 95, "PWM Limit": 885, "Current Limit": 1193,
     "Velocity Limit": 350, "Max Position Limit": 4095, "Min Position Limit": 0, "Shutdown": 52,
@@ -57,7 +59,12 @@ def supply_voltage(model: str) -> float:
 def factory_values(table: ControlTable) -> dict[str, int]:
     """Register to its value; all others are 0. Model number included."""
     _, low, high = _row(table.model)
-    values = _XM430 | {"Model Number": table.number, "Min Voltage Limit": low, "Max Voltage Limit": high}
+    values = _XM430 | {
+        "Model Number": table.number,
+        "Firmware Version": table.firmware,
+        "Min Voltage Limit": low,
+        "Max Voltage Limit": high,
+    }
     return {name: value for name, value in values.items() if name in table}
 
 

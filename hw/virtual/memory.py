@@ -23,6 +23,15 @@ class Refused(Exception):
 
 
 @dataclass(frozen=True)
+class Refusal:
+    """A write that did not happen."""
+
+    address: int
+    data: bytes
+    code: StatusError
+
+
+@dataclass(frozen=True)
 class Change:
     """One stretch of bytes that a write sets; `register` is None where it is a mapping or spare indirect data."""
 

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import reduce
+from operator import and_
 
 from hw.protocol import (
     ALERT,
@@ -16,13 +18,15 @@ from hw.protocol import (
     crc16,
     encode_status,
 )
+from hw.virtual.board import Board
 from hw.virtual.instructions import SINGLE, word
 from hw.virtual.memory import Refused
 from hw.virtual.servo import STEP_S, Servo
 from hw.virtual.world import World, move_together
 
 _NO_ID = 253
-_ANSWERED_FROM: dict[int, int] = {Instruction.PING: 0, Instruction.READ: 1}
+_READS, _ALL = 1, 2
+_ANSWERED_FROM: dict[int, int] = {Instruction.PING: 0, Instruction.READ: _READS}
 """Lowest status return level at which an instruction is answered; 2 for all others."""
 
 
@@ -34,18 +38,29 @@ class Reply:
     delay_s: float
 
 
+Block = tuple[Servo | Board, int, bytes]
+"""Who was read, its error byte, its data."""
+
+
 class Network:
     """The servos on one bus, by id.
 
     `unsupported` holds instructions that the firmware does not know, as older firmware does not know the fast reads.
+    Several servos may have one id, and then speak at once. A `board` between battery and servos answers to its own.
     In a `world` the servos' torques move one mechanism; else each horn turns alone. Where a `rate` (bits a second) is
     set, only the servos that are set to it hear.
     """
 
     def __init__(
-        self, servos: Iterable[Servo], *, unsupported: Iterable[Instruction] = (), world: World | None = None
+        self,
+        servos: Iterable[Servo],
+        *,
+        unsupported: Iterable[Instruction] = (),
+        world: World | None = None,
+        board: Board | None = None,
     ) -> None:
-        self.servos = {servo.id: servo for servo in servos}
+        self._servos, self.board = list(servos), board
+        self._index()
         self.unsupported = frozenset(unsupported)
         self.world = world
         self.rate: int | None = None
@@ -58,9 +73,36 @@ class Network:
             Instruction.FAST_BULK_READ: self._fast_bulk_read,
         }
 
+    @property
+    def servos(self) -> dict[int, Servo]:
+        """Id to servo; of several with one id the first."""
+        return {identity: nodes[0] for identity, nodes in self._nodes.items() if isinstance(nodes[0], Servo)}
+
+    @property
+    def all_servos(self) -> tuple[Servo, ...]:
+        """Every servo, also those that share an id."""
+        return tuple(self._servos)
+
+    def add(self, servo: Servo) -> None:
+        """Put one more servo on the bus, whatever its id."""
+        self._servos.append(servo)
+        self._index()
+
+    def _index(self) -> None:
+        """Who answers to which id."""
+        self._nodes: dict[int, list[Servo | Board]] = {}
+        for node in (*self._servos, *([self.board] if self.board else [])):
+            self._nodes.setdefault(node.id, []).append(node)
+
+    def _at(self, identity: int) -> list[Servo | Board]:
+        """Who hears an instruction for an id."""
+        return [node for node in self._nodes.get(identity, ()) if self._hears(node)]
+
     def advance(self, dt: float) -> None:
         """Let `dt` s pass for every servo, alone or in the world."""
-        servos = list(self.servos.values())
+        servos = self._servos
+        if self.board is not None:
+            self.board.advance(dt, servos)
         if self.world is None:
             for servo in servos:
                 servo.advance(dt)
@@ -75,7 +117,7 @@ class Network:
 
     def handle(self, packet: Packet) -> list[Reply]:
         """The answers to a packet, in the order in which they appear on the bus."""
-        for servo in self.servos.values():
+        for servo in self._servos:
             if self._hears(servo):
                 servo.hear()
         if packet.instruction == Instruction.STATUS:
@@ -86,27 +128,26 @@ class Network:
             return self._group[packet.instruction](packet.parameters)
         if packet.id == BROADCAST:
             return self._broadcast(packet)
-        servo = self.servos.get(packet.id)
-        replies = [] if servo is None or not self._hears(servo) else self._single(servo, packet)
+        replies = _collide([self._single(node, packet) for node in self._at(packet.id)])
         for follower in self._followers(packet.id):
             self._follow(follower, packet)
         return replies
 
     def complain(self, identity: int) -> list[Reply]:
         """The answer to a packet for one servo whose CRC was wrong."""
-        servo = self.servos.get(identity)
-        if servo is None or not self._hears(servo) or servo.get("Status Return Level") < 2:
-            return []
-        return [Reply(encode_status(identity, StatusError.CRC | _alert(servo)), servo.return_delay_s)]
+        nodes = [node for node in self._at(identity) if node.level >= _ALL]
+        return _collide(
+            [[Reply(encode_status(identity, StatusError.CRC | _alert(node)), node.return_delay_s)] for node in nodes]
+        )
 
-    def _hears(self, servo: Servo) -> bool:
-        return servo.answering and (self.rate is None or servo.baud == self.rate)
+    def _hears(self, node: Servo | Board) -> bool:
+        return node.answering and (self.rate is None or node.baud == self.rate)
 
     def _followers(self, identity: int) -> list[Servo]:
         """The servos that have this for their secondary id; their own id comes first."""
         if identity >= _NO_ID:
             return []
-        servos = [servo for servo in self.servos.values() if servo.id != identity and self._hears(servo)]
+        servos = [servo for servo in self._servos if servo.id != identity and self._hears(servo)]
         name = "Secondary(Shadow) ID"
         return [servo for servo in servos if name in servo.table and servo.get(name) == identity]
 
@@ -122,32 +163,40 @@ class Network:
         if packet.instruction not in SINGLE or everything_reset:
             return []
         replies: list[Reply] = []
-        for _, servo in sorted(self.servos.items()):
-            if self._hears(servo):
-                replies += self._single(servo, packet)
+        for identity in sorted(self._nodes):
+            nodes = self._at(identity)
+            # Only a ping is for the board too: on a real one nothing else may be told to all.
+            told = nodes if packet.instruction == Instruction.PING else [n for n in nodes if isinstance(n, Servo)]
+            replies += _collide([self._single(node, packet) for node in told])
         return replies if packet.instruction == Instruction.PING else []
 
-    def _single(self, servo: Servo, packet: Packet) -> list[Reply]:
+    def _single(self, node: Servo | Board, packet: Packet) -> list[Reply]:
         """Do one instruction and answer as the status return level wants it."""
-        identity, level = servo.id, servo.get("Status Return Level")
-        delay = servo.return_delay_s
+        identity, level = node.id, node.level
+        delay = node.return_delay_s
         error, data = StatusError.NONE, b""
         try:
-            handler = SINGLE.get(packet.instruction)
-            if handler is None or packet.instruction in self.unsupported:
+            if packet.instruction in self.unsupported:
                 raise Refused(StatusError.INSTRUCTION)
-            data = handler(servo, packet.parameters)
+            data = self._do(node, packet)
         except Refused as refusal:
             error = refusal.code
-        self._reindex(identity, servo)
-        if level < _ANSWERED_FROM.get(packet.instruction, 2):
+        self._reindex(identity, node)
+        if level < _ANSWERED_FROM.get(packet.instruction, _ALL):
             return []
-        return [Reply(encode_status(identity, error | _alert(servo), data), delay)]
+        return [Reply(encode_status(identity, error | _alert(node), data), delay)]
 
-    def _reindex(self, identity: int, servo: Servo) -> None:
-        if servo.id != identity:
-            del self.servos[identity]
-            self.servos[servo.id] = servo
+    def _do(self, node: Servo | Board, packet: Packet) -> bytes:
+        if isinstance(node, Board):
+            return node.do(packet, self._servos)
+        handler = SINGLE.get(packet.instruction)
+        if handler is None:
+            raise Refused(StatusError.INSTRUCTION)
+        return handler(node, packet.parameters)
+
+    def _reindex(self, identity: int, node: Servo | Board) -> None:
+        if node.id != identity:
+            self._index()
 
     def _sync_read(self, parameters: bytes) -> list[Reply]:
         return self._statuses(_sync_requests(parameters))
@@ -161,21 +210,21 @@ class Network:
     def _fast_bulk_read(self, parameters: bytes) -> list[Reply]:
         return self._one_status(list(_bulk_requests(parameters)))
 
-    def _blocks(self, requests: Iterable[tuple[int, int, int]]) -> Iterator[tuple[Servo, int, bytes]]:
-        """Servo, error byte and data of each request. Each waits for the one before it: a silent servo ends it."""
+    def _blocks(self, requests: Iterable[tuple[int, int, int]]) -> Iterator[list[Block]]:
+        """What each request finds. Each waits for the one before it: a silent servo ends it."""
         for identity, address, length in requests:
-            servo = self.servos.get(identity)
-            if servo is None or not self._hears(servo) or servo.get("Status Return Level") < 1:
+            nodes = [node for node in self._at(identity) if node.level >= _READS]
+            if not nodes:
                 return
-            try:
-                yield servo, _alert(servo), servo.read(address, length)
-            except Refused as refusal:
-                yield servo, refusal.code | _alert(servo), bytes(min(length, MAX_LENGTH))
+            yield [_block(node, address, length) for node in nodes]
 
     def _statuses(self, requests: Iterable[tuple[int, int, int]]) -> list[Reply]:
         return [
-            Reply(encode_status(servo.id, error, data), servo.return_delay_s)
-            for servo, error, data in self._blocks(requests)
+            reply
+            for blocks in self._blocks(requests)
+            for reply in _collide(
+                [[Reply(encode_status(node.id, error, data), node.return_delay_s)] for node, error, data in blocks]
+            )
         ]
 
     def _one_status(self, requests: list[tuple[int, int, int]]) -> list[Reply]:
@@ -186,12 +235,15 @@ class Network:
             return []
         packet = bytearray(HEADER + bytes((BROADCAST,)) + length.to_bytes(2, "little") + bytes((Instruction.STATUS,)))
         crc, done = 0, 0
-        for servo, error, data in blocks:
-            packet += bytes((error, servo.id)) + data
-            crc = crc16(bytes(packet[done:]), crc)
-            done = len(packet)
-            packet += crc.to_bytes(2, "little")
-        return [Reply(bytes(packet), blocks[0][0].return_delay_s)]
+        for group in blocks:
+            voices: list[bytes] = []
+            for node, error, data in group:
+                spoken = bytes((error, node.id)) + data
+                voices.append(spoken + crc16(bytes(packet[done:]) + spoken, crc).to_bytes(2, "little"))
+            packet += _together(voices)
+            crc = crc16(bytes(packet[done:-2]), crc)
+            done = len(packet) - 2
+        return [Reply(bytes(packet), blocks[0][0][0].return_delay_s)]
 
     def _sync_write(self, parameters: bytes) -> list[Reply]:
         if len(parameters) < 5:
@@ -212,16 +264,39 @@ class Network:
         return []
 
     def _write_quietly(self, identity: int, address: int, data: bytes) -> None:
-        servo = self.servos.get(identity)
-        if servo is None or not self._hears(servo):
-            return
-        with suppress(Refused):  # the servo keeps it in its refusals
-            servo.write(address, data)
-        self._reindex(identity, servo)
+        for node in self._at(identity):
+            with suppress(Refused):  # the servo keeps it in its refusals
+                if isinstance(node, Board):
+                    node.write(address, data, self._servos)
+                else:
+                    node.write(address, data)
+            self._reindex(identity, node)
 
 
-def _alert(servo: Servo) -> int:
-    return ALERT if servo.alert else 0
+def _alert(node: Servo | Board) -> int:
+    return ALERT if node.alert else 0
+
+
+def _block(node: Servo | Board, address: int, length: int) -> Block:
+    """What a group read finds at one servo."""
+    try:
+        return node, _alert(node), node.read(address, length)
+    except Refused as refusal:
+        return node, refusal.code | _alert(node), bytes(min(length, MAX_LENGTH))
+
+
+def _collide(answers: list[list[Reply]]) -> list[Reply]:
+    """What is on the wire when servos of one id answer at once; equal answers fall together unnoticed."""
+    spoken = [replies[0] for replies in answers if replies]
+    if len(spoken) < 2:
+        return spoken
+    return [Reply(_together([reply.data for reply in spoken]), max(reply.delay_s for reply in spoken))]
+
+
+def _together(voices: list[bytes]) -> bytes:
+    """Bytes of speakers at once: a line that one of them pulls low is low."""
+    length = max(map(len, voices))
+    return bytes(reduce(and_, column) for column in zip(*(v.ljust(length, b"\xff") for v in voices), strict=True))
 
 
 def _sync_requests(parameters: bytes) -> Iterator[tuple[int, int, int]]:

@@ -14,6 +14,9 @@ from hw.virtual.factory import (
     BAUD_RATES,
     CURRENT,
     CURRENT_POSITION,
+    INPUT_VOLTAGE,
+    OVERHEATING,
+    OVERLOAD,
     POSITION,
     PWM,
     TORQUE_ON_BY_GOAL,
@@ -21,27 +24,17 @@ from hw.virtual.factory import (
     supply_voltage,
 )
 from hw.virtual.goals import GoalLog
-from hw.virtual.memory import GOALS, WATCHDOG_TRIPPED, Change, Memory, Refused
+from hw.virtual.memory import GOALS, WATCHDOG_TRIPPED, Change, Memory, Refusal, Refused
 from hw.virtual.motor import Motor, MotorModel
 from hw.virtual.sensors import Sensors
 
-INPUT_VOLTAGE, OVERHEATING, ENCODER, SHOCK, OVERLOAD = 1 << 0, 1 << 2, 1 << 3, 1 << 4, 1 << 5
-"""Bits of Hardware Error Status and Shutdown."""
 STEP_S = 2e-3
 """Longest step of the physics, s."""
 
 _REBOOT_S = 0.3
+_START_S = 0.05
 _OVERLOAD_S = 1.5
 _FULL_TURN = 4096
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """A write that did not happen."""
-
-    address: int
-    data: bytes
-    code: StatusError
 
 
 @dataclass
@@ -53,6 +46,7 @@ class Servo:
         motor: its motor.
         supply_voltage: V at the connector.
         dead: it neither hears nor answers.
+        powered: it has power.
         refusals: writes that the firmware refused, in order.
         goals: every goal position it was told.
         registered: address and data of a Reg Write that waits for its Action.
@@ -64,6 +58,7 @@ class Servo:
     motor: Motor
     supply_voltage: float = 12.0
     dead: bool = False
+    powered: bool = True
     refusals: list[Refusal] = field(default_factory=list[Refusal])
     goals: GoalLog = field(default_factory=GoalLog)
     registered: tuple[int, bytes] | None = None
@@ -83,11 +78,13 @@ class Servo:
     @classmethod
     def make(
         cls, servo_id: int, *, model: str = "XM430-W350", baud: int = 1_000_000, motor: MotorModel | None = None,
-        position: float = 0.0,
+        position: float = 0.0, firmware: int | None = None,
     ) -> "Servo":  # fmt: skip
         """A servo in factory state but for its id, baud rate and a return delay of 0; horn at `position` rad."""
         volts = supply_voltage(model)
-        servo = cls(control_table(model), Motor(motor or MotorModel(nominal_voltage=volts), position=position), volts)
+        servo = cls(
+            control_table(model, firmware), Motor(motor or MotorModel(nominal_voltage=volts), position=position), volts
+        )
         servo.set("ID", servo_id)
         servo.set("Baud Rate", BAUD_RATES.index(baud))
         servo.set("Return Delay Time", 0)
@@ -108,8 +105,6 @@ class Servo:
         self._forget_turns()
         self._settled()
 
-    # State.
-
     @property
     def memory(self) -> bytearray:
         """The bytes of the control table."""
@@ -125,6 +120,11 @@ class Servo:
         return BAUD_RATES[self.memory[self._baud_address]]
 
     @property
+    def level(self) -> int:
+        """Which instructions it answers: pings, reads too, or all."""
+        return self.get("Status Return Level")
+
+    @property
     def torque_on(self) -> bool:
         return bool(self.get("Torque Enable"))
 
@@ -134,7 +134,7 @@ class Servo:
 
     @property
     def answering(self) -> bool:
-        return not self.dead and self._rebooting_s <= 0
+        return self.powered and not self.dead and self._rebooting_s <= 0
 
     @property
     def return_delay_s(self) -> float:
@@ -144,8 +144,6 @@ class Servo:
     def goal_extremes(self) -> tuple[int, int] | None:
         """Lowest and highest raw goal position ever accepted."""
         return self.goals.accepted_extremes
-
-    # What happens to it.
 
     def fail(self, bits: int) -> None:
         """Raise hardware errors; those in the Shutdown mask switch the torque off."""
@@ -158,6 +156,11 @@ class Servo:
         """Restart: RAM is lost, and nothing is heard for `silent_s`."""
         self.power_up()
         self._rebooting_s = silent_s
+
+    def switch_power(self, *, on: bool) -> None:
+        """Lose power, and RAM with it; or get it, and be silent until it has started."""
+        self.powered = on
+        self.reboot(_START_S if on else 0.0)
 
     def factory_reset(self, keep: tuple[str, ...]) -> None:
         """Forget everything but the registers in `keep`, then restart."""
@@ -192,8 +195,6 @@ class Servo:
         for part, data in parts[1:]:
             self.memory[part] = data
         self._settled()
-
-    # Access as an instruction packet has it.
 
     def read(self, address: int, length: int) -> bytes:
         """Read bytes; Refused beyond the table."""
@@ -249,8 +250,6 @@ class Servo:
     def _log_goal(self, value: int, *, accepted: bool) -> None:
         low, high = self.get("Min Position Limit"), self.get("Max Position Limit")
         self.goals.add(self.clock_s, value, accepted=accepted, low=low, high=high)
-
-    # Time.
 
     def hear(self) -> None:
         """An instruction packet passed on the bus: the watchdog is content."""

@@ -8,6 +8,7 @@ from ros_free_stack.robots.catalogue import load_robot, robot_files, robot_names
 from ros_free_stack.robots.description import Attachment, Capsule, JointLimits, RobotDescription, Sole
 from ros_free_stack.robots.reader import read_description
 from ros_free_stack.robots.servos import (
+    ServoBoard,
     ServoMap,
     ServoMode,
     ServoMotor,
@@ -21,6 +22,7 @@ __all__ = [
     "Capsule",
     "JointLimits",
     "RobotDescription",
+    "ServoBoard",
     "ServoMap",
     "ServoMode",
     "ServoMotor",

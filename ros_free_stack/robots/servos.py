@@ -11,6 +11,7 @@ ServoMode = Literal["position", "extended position", "current-based position"]
 StopPolicy = Literal["off", "hold"]
 
 WATCHDOG_MAX_S = 2.54
+_LAST_ID = 252
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,60 @@ class ServoMotor:
 
 
 @dataclass(frozen=True)
+class ServoBoard:
+    """A board on the servos' bus, between the battery and them: their power switch, its buttons and its voltage.
+
+    Attributes:
+        name: for people.
+        id: on the bus.
+        model_number: as it answers a ping.
+        power: address of the switch (1 byte).
+        buttons: address of the buttons (1 byte, one bit each, set while it is pressed).
+        button_names: of the bits, the lowest first. Any of them stops a stream.
+        voltage: address of the battery's voltage (1 byte).
+        on: what the switch holds when the servos have power; 0 takes it.
+        wait_s: s that the servos need to start.
+        volt: V of one unit of the voltage.
+        low_voltage: V below which a person is warned.
+    """
+
+    name: str
+    id: int
+    model_number: int
+    power: int
+    buttons: int
+    button_names: tuple[str, ...]
+    voltage: int
+    on: int = 1
+    wait_s: float = 0.1
+    volt: float = 0.1
+    low_voltage: float = 0.0
+
+    def __post_init__(self) -> None:
+        # YAML has lists, and takes a word where a list was meant.
+        names: object = self.button_names
+        if isinstance(names, str) or not 1 <= len(self.button_names) <= 8:
+            raise ValueError(f"servos board button_names: expected a list of 1 to 8 names, found {names!r}")
+        object.__setattr__(self, "button_names", tuple(map(str, self.button_names)))
+        whole = {
+            "id": _LAST_ID,
+            "model_number": 0xFFFF,
+            "power": 0xFFFF,
+            "buttons": 0xFFFF,
+            "voltage": 0xFFFF,
+            "on": 255,
+        }
+        for name, highest in whole.items():
+            value = getattr(self, name)
+            if type(value) is not int or not 0 <= value <= highest:
+                raise ValueError(f"servos board {name}: expected a whole number from 0 to {highest}, found {value!r}")
+        for name in ("wait_s", "volt", "low_voltage"):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float) and 0 <= value < math.inf):
+                raise ValueError(f"servos board {name}: expected a number of at least 0, found {value!r}")
+
+
+@dataclass(frozen=True)
 class ServoMap:
     """The robot's Dynamixel servos.
 
@@ -129,6 +184,7 @@ class ServoMap:
         settings: how the servos are set up.
         safety: what stops a stream.
         motor: its electrical and thermal figures, or None where they are not known.
+        board: what gives the servos their power, or None where that is no device on the bus.
     """
 
     model: str
@@ -139,13 +195,14 @@ class ServoMap:
     settings: ServoSettings = ServoSettings()
     safety: ServoSafety = ServoSafety()
     motor: ServoMotor | None = None
+    board: ServoBoard | None = None
 
     def model_of(self, joint: str) -> str:
         """The servo model of a joint."""
         return self.models.get(joint, self.model)
 
 
-Section = TypeVar("Section", ServoSettings, ServoSafety, ServoMotor)
+Section = TypeVar("Section", ServoSettings, ServoSafety, ServoMotor, ServoBoard)
 
 
 def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | None:
@@ -162,7 +219,7 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
     servos = data.get("servos")
     if servos is None:
         return None
-    ids = {joint: int(number) for joint, number in servos["ids"].items()}
+    ids = {joint: _id(joint, number) for joint, number in servos["ids"].items()}
     models = {joint: str(model) for joint, model in servos.get("models", {}).items()}
     for joint in ids:
         if joint not in joints:
@@ -172,6 +229,9 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
             raise UnknownName("joint with a servo model", joint, ids)
     if len(set(ids.values())) < len(ids):
         raise ValueError("two joints have the same servo id")
+    board = _section(ServoBoard, "servos board", servos["board"]) if "board" in servos else None
+    if board is not None and board.id in ids.values():
+        raise ValueError(f"the servos' board has the id {board.id} of a servo")
     settings = _section(ServoSettings, "servos settings", servos.get("settings", {}))
     if settings.mode not in get_args(ServoMode):
         raise UnknownName("servo mode", settings.mode, get_args(ServoMode))
@@ -184,7 +244,14 @@ def read_servos(data: dict[str, Any], joints: Collection[str]) -> ServoMap | Non
         settings=settings,
         safety=_section(ServoSafety, "servo_safety", data.get("servo_safety", {})),
         motor=_section(ServoMotor, "servos motor", servos["motor"]) if "motor" in servos else None,
+        board=board,
     )
+
+
+def _id(joint: str, number: object) -> int:
+    if type(number) is not int or not 0 <= number <= _LAST_ID:
+        raise ValueError(f"{joint}: expected a servo id 0 to {_LAST_ID}, found {number!r}")
+    return number
 
 
 def _section(kind: type[Section], name: str, data: dict[str, Any]) -> Section:

@@ -1,11 +1,10 @@
-"""One port: latency timer, alerts, and servos that the SDK does not know."""
+"""One port: alerts, refusals, and servos that the SDK does not know."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from hw.bus import Bus, lower_latency
+from hw.bus import Bus
 from hw.registers import control_table
 from hw.virtual.bus import VirtualBus
 from hw.virtual.servo import OVERLOAD, Servo
@@ -18,35 +17,6 @@ TABLE = control_table("XM430-W350")
 def virtual() -> Iterator[VirtualBus]:
     with VirtualBus([Servo.make(identity, baud=2_000_000) for identity in (1, 2)]) as bus:
         yield bus
-
-
-def timer(folder: Path, text: str) -> Path:
-    file = folder / "ttyUSB7" / "latency_timer"
-    file.parent.mkdir()
-    file.write_text(text)
-    return file
-
-
-def test_the_latency_timer_is_lowered(tmp_path: Path) -> None:
-    file = timer(tmp_path, "16\n")
-    latency = lower_latency("/dev/ttyUSB7", tmp_path)
-    assert (latency.ok, latency.words, file.read_text()) == (True, "1 ms", "1")
-    assert lower_latency("/dev/ttyUSB7", tmp_path).words == "1 ms"
-
-
-def test_a_latency_timer_that_may_not_be_set_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(self: Path, text: str) -> None:
-        raise PermissionError
-
-    file = timer(tmp_path, "16\n")
-    monkeypatch.setattr(Path, "write_text", refuse)
-    latency = lower_latency("/dev/ttyUSB7", tmp_path)
-    assert not latency.ok
-    assert latency.words == f"not lowered to 1 ms: as root, echo 1 > {file}"
-
-
-def test_a_port_without_a_latency_timer(tmp_path: Path) -> None:
-    assert lower_latency("/dev/ttyUSB7", tmp_path).words == "the port has none"
 
 
 def test_alerts_are_kept_until_they_are_gone(virtual: VirtualBus) -> None:
@@ -80,7 +50,7 @@ def test_a_scan_shows_models_that_the_sdk_does_not_know(virtual: VirtualBus) -> 
 
 
 def test_an_odd_baud_rate_is_refused(virtual: VirtualBus) -> None:
-    with pytest.raises(InvalidOption, match="123 is not a rate"):
+    with pytest.raises(InvalidOption, match=r"123 is not a rate of Dynamixel servos: 9600, .*4500000"):
         Bus(virtual.port, 123)
 
 

@@ -120,11 +120,17 @@ GOOD = Calibration("op3", {joint: JointCalibration(RIG.ids[i], 1, 0.1, -1.0, 1.0
     [
         (lambda data: data.update(robot="g1"), ModelMismatch, "calibration of g1 does not fit op3"),
         (lambda data: data["joints"]["r_el"].update(id=6), ModelMismatch, "joints that differ in id or range: r_el"),
-        (lambda data: data["joints"].update(tail=data["joints"]["r_el"]), ModelMismatch, "tail"),
+        (lambda data: data["joints"].update(tail=dict(data["joints"]["r_el"])), ModelMismatch, "tail"),
         (lambda data: data["joints"]["r_el"].update(lower=2.5, upper=2.9), ModelMismatch, "id or range: r_el"),
         (lambda data: data["joints"]["r_el"].update(direction=2), InvalidFile, "expected direction 1 or -1"),
         (lambda data: data["joints"]["r_el"].update(lower=1.5), InvalidFile, "lower < upper"),
         (lambda data: data["joints"]["r_el"].update(offset=float("nan")), InvalidFile, "finite offset"),
+        (lambda data: data["joints"]["r_el"].update(id=5.7), InvalidFile, "r_el: expected id 0 to 252, found 5.7"),
+        (lambda data: data["joints"]["r_el"].update(id=True), InvalidFile, "expected id 0 to 252, found True"),
+        (lambda data: data["joints"]["r_el"].update(id="5"), InvalidFile, "expected id 0 to 252, found '5'"),
+        (lambda data: data["joints"]["r_el"].update(direction=1.9), InvalidFile, "direction 1 or -1, found 1.9"),
+        (lambda data: data["joints"]["r_el"].update(upper=float("inf")), InvalidFile, "finite upper"),
+        (lambda data: data["joints"]["r_el"].update(lower="0"), InvalidFile, "finite lower in rad, found '0'"),
         (lambda data: data["joints"]["r_el"].pop("offset"), InvalidFile, "not a servo calibration .KeyError"),
         (lambda data: data.update(joints=[1]), InvalidFile, "not a servo calibration"),
     ],
@@ -140,3 +146,30 @@ def test_a_calibration_is_checked_when_it_is_read(
     path.write_text(yaml.safe_dump(data))
     with pytest.raises(error, match=words):
         load_calibration(path, OP3)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("robot: op3\njoints:\n  r_el: {id: 5}\n  l_el: {id: 6}\n  r_el: {id: 5}\n", "'r_el' stands there twice"),
+        ("robot: op3\nrobot: op3\njoints: {}\n", "'robot' stands there twice"),
+        ("robot: op3\njoints: {r_el: {id: 5, id: 6}}\n", "'id' stands there twice"),
+        ("a: &a [x]\nrobot: *a\njoints: {}\n", "references"),
+        ("[" * 20_000, "RecursionError"),
+        ("#" * 1_000_001, "longer than 1000000 bytes"),
+    ],
+)
+def test_what_is_no_calibration_is_refused_in_one_line(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "c.yaml"
+    path.write_text(text)
+    with pytest.raises(InvalidFile, match=words) as caught:
+        load_calibration(path, OP3)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_device_or_a_folder_is_no_calibration(tmp_path: Path) -> None:
+    for path in (Path("/dev/zero"), tmp_path):
+        with pytest.raises(InvalidFile, match="it is no file"):
+            load_calibration(path, OP3)
+    with pytest.raises(InvalidFile, match="No such file"):
+        load_calibration(tmp_path / "missing.yaml", OP3)

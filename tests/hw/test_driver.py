@@ -177,7 +177,7 @@ def test_a_tripped_watchdog_is_recovered_on_purpose_only(bus: VirtualBus) -> Non
     play(bus)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGQUIT, signal.SIGHUP])
 def test_a_signal_on_a_failing_bus_ends_with_torque_off(bus: VirtualBus, number: signal.Signals) -> None:
     def fail() -> None:
         bus.faults.corrupt = 1.0

@@ -18,7 +18,8 @@ RIG = Rig.of_robot(ROBOT, only=("r_el", "l_el"))
 SAFETY = ServoSafety(lost_after=3, late_after=4, current_s=0.03, following_s=0.03)
 YES, NO, ZERO = np.ones(2, dtype=bool), np.zeros(2, dtype=bool), np.zeros(2)
 GOOD = Reading(
-    asked=YES, fresh=YES, alert=NO, refusal=np.zeros(2, np.uint8), torque=YES, tripped=NO, error=np.zeros(2, np.uint8),
+    asked=YES, fresh=YES, age_s=ZERO, alert=NO, refusal=np.zeros(2, np.uint8), torque=YES, tripped=NO,
+    error=np.zeros(2, np.uint8),
     position=ZERO, velocity=ZERO, current=ZERO, voltage=np.full(2, 12.0), temperature=np.full(2, 30.0),
 )  # fmt: skip
 SECOND = np.array([False, True])
@@ -97,3 +98,23 @@ def test_late_cycles_count_in_a_row_and_a_stall_at_once() -> None:
         judge.check_pace(0.009)
     with pytest.raises(DeadlineFault, match=r"paused for 0.60 s, limit 0.5 s"):
         watch().check_pace(0.6)
+
+
+@pytest.mark.parametrize("what", ["position", "current"])
+def test_an_old_reading_is_not_judged_again(what: str) -> None:
+    """Where a servo is read in every seventh cycle, one reading beside the goal is no fault that lasts."""
+    judge = watch()
+    bad = replace(GOOD, **{what: np.full(2, 2.5)})
+    judge.check(bad, ZERO)
+    for _ in range(100):
+        judge.check(replace(bad, asked=NO, fresh=NO), ZERO)
+    judge.check(GOOD, ZERO)
+    judge.check(bad, ZERO)
+
+
+def test_a_new_reading_speaks_for_the_time_since_the_last() -> None:
+    judge = watch()
+    for _ in range(4):
+        judge.check(replace(GOOD, asked=NO, fresh=NO), ZERO)
+    with pytest.raises(ServoFault, match=r"r_el .*following error 0.60 rad for 0.04 s"):
+        judge.check(replace(GOOD, position=np.array([-0.6, 0.0])), ZERO)

@@ -9,7 +9,7 @@ import pytest
 from hw.cycle import Cycle, Reading
 from hw.driver import Driver
 from hw.protocol import Instruction
-from hw.registers import model_names
+from hw.registers import all_model_names, control_table, is_driven
 from hw.rig import Rig
 from hw.servos import Servos, open_ports, split_ports
 from hw.units import amperes_per_unit
@@ -69,7 +69,7 @@ def test_models_with_and_without_current_on_one_bus() -> None:
     assert np.ptp(positions, axis=0) == pytest.approx([0.3] * 4, abs=0.06)
 
 
-@pytest.mark.parametrize("model", [name for name in model_names() if name != "XL320"])
+@pytest.mark.parametrize("model", [name for name in all_model_names() if is_driven(name)])
 def test_every_x_model_can_be_driven(model: str) -> None:
     rig = Rig.of_robot(mixed(r_el=model), only=("head_pan", "r_el"))
     with make_bus(rig, ("head_pan", "r_el")) as bus, Driver(rig, bus.port) as driver:
@@ -84,17 +84,35 @@ def test_current_units_of_the_manual() -> None:
     assert units == {"XM430-W350": 2.69e-3, "XH430-V350": 1.34e-3, "XL330-M288": 1e-3, "XH540-V270": 2.69e-3}
 
 
-@pytest.mark.parametrize(
-    ("model", "words"),
-    [
-        ("XL320", "XL320 has no 16 indirect addresses"),
-        ("PH42-020-S300", "XM430-W350 and PH42-020-S300 .* port of its own"),
-    ],
-)
-def test_models_that_cannot_share_a_cycle_are_refused(model: str, words: str) -> None:
-    rig = Rig.of_robot(mixed(r_el=model), only=JOINTS)
-    with VirtualBus([]) as bus, open_ports(bus.port, rig.baud) as buses, pytest.raises(ModelMismatch, match=words):
-        Cycle(Servos(rig, buses, (0,) * len(rig.ids)))
+@pytest.mark.parametrize("model", ["XL320", "PH42-020-S300", "YM070-210-M001-RA", "H54-200-S500-RA", "RH-P12-RN"])
+def test_families_with_other_registers_are_refused_by_name(model: str) -> None:
+    model = next(name for name in all_model_names() if name.startswith(model[:8]))
+    with pytest.raises(ModelMismatch, match=f"r_el has a servo {model}, .* X series .*MX with Protocol 2.0"):
+        Rig.of_robot(mixed(r_el=model), only=JOINTS)
+
+
+def test_firmware_that_cannot_share_a_cycle_is_refused() -> None:
+    """Older firmware of the 330 sizes has its indirect data elsewhere."""
+    rig = Rig.of_robot(mixed(r_el="XL330-M288", l_el="XL330-M288"), only=JOINTS)
+    tables = (rig.tables[0], control_table("XL330-M288", 52), *rig.tables[2:])
+    with (
+        VirtualBus([]) as bus,
+        open_ports(bus.port, rig.baud) as buses,
+        pytest.raises(ModelMismatch, match=r"different layouts: give each a port of its own"),
+    ):
+        Cycle(Servos(rig, buses, (0,) * len(rig.ids), tables=tables))
+
+
+@pytest.mark.parametrize("firmware", [40, 52, 53])
+def test_the_330_series_is_driven_by_the_table_of_its_firmware(firmware: int) -> None:
+    rig = Rig.of_robot(mixed(r_el="XL330-M288"), only=("r_el",))
+    with VirtualBus([Servo.make(5, model="XL330-M288", baud=rig.baud, position=STAND[1], firmware=firmware)]) as bus:
+        bus.servo(5).set("Firmware Version", firmware)
+        with Driver(rig, bus.port) as driver:
+            reading = driver.enable()
+            assert driver.servos.table(0).indirect_blocks[0].data == (208 if firmware <= 52 else 224)
+            assert reading.position == pytest.approx(STAND[1:2], abs=0.01)
+            assert reading.voltage == pytest.approx([bus.servo(5).supply_voltage], abs=0.1)
 
 
 RIG = Rig.of_robot(mixed(l_el="XL430-W250"), only=JOINTS)
@@ -183,7 +201,7 @@ def test_a_servo_on_two_ports_and_a_servo_on_none(ports: tuple[VirtualBus, Virtu
     ):
         pass
     with arms.locked:
-        arms.network.servos[14] = Servo.make(14, baud=RIG.baud)
+        arms.network.add(Servo.make(14, baud=RIG.baud))
     with (
         pytest.raises(ModelMismatch, match=r"l_knee .servo 14. answers on .* and .*: ids must be distinct"),
         Driver(RIG, both),

@@ -186,7 +186,7 @@ def wait_until(done: Callable[[], bool], process: subprocess.Popen[str] | None =
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGQUIT, signal.SIGTERM])
 def test_an_interrupt_ends_with_torque_off(tmp_path: Path, number: signal.Signals) -> None:
     with VirtualBus.of_robot(OP3) as bus:
         process = host(bus, tmp_path)

@@ -21,7 +21,7 @@ CODE = (
 
 
 def test_a_port_for_another_program_with_a_fault() -> None:
-    command = [sys.executable, "-c", CODE, "--untimed", "--fault", "overload:0s:5", "--json"]
+    command = [sys.executable, "-c", CODE, "--untimed", "--powered", "--fault", "overload:0s:5", "--json"]
     with subprocess.Popen(
         command, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:

@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from hw.protocol import ALERT, BROADCAST, Instruction, Packet, PacketReader, StatusError, encode
 from hw.registers import control_table
+from hw.virtual.factory import SHOCK
 from hw.virtual.network import Network
-from hw.virtual.servo import SHOCK, Servo
+from hw.virtual.servo import Servo
 
 TABLE = control_table("XM430-W350")
 LED, GOAL, MODE = (TABLE[name].address.to_bytes(2, "little") for name in ("LED", "Goal Position", "Operating Mode"))

@@ -179,6 +179,16 @@ def written(tmp_path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     return path
 
 
+def test_the_board_of_op3_and_a_robot_without_one(tmp_path: Path):
+    servos = load_robot("op3").servos
+    assert servos is not None and servos.board is not None
+    board = servos.board
+    assert (board.name, board.id, board.model_number, board.power) == ("OpenCR", 200, 0x7400, 24)
+    assert (board.buttons, board.button_names, board.voltage) == (30, ("mode", "start", "user"), 31)
+    without = read_description(written(tmp_path, lambda data: data["servos"].pop("board"))).servos
+    assert without is not None and without.board is None
+
+
 def test_servo_models_can_differ_by_joint(tmp_path: Path):
     servos = read_description(
         written(tmp_path, lambda data: data["servos"].update(models={"l_el": "XL430-W250"}))
@@ -221,6 +231,18 @@ def test_servo_safety_has_defaults(tmp_path: Path):
         (lambda data: data["servos"].update(models={"tail": "XL430-W250"}), "servo model 'tail'"),
         (lambda data: data["servos"]["ids"].update(head_pan=20), "two joints have the same servo id"),
         (lambda data: data["servos"]["ids"].update(tail=99), "joint with a servo 'tail'"),
+        (
+            lambda data: data["servos"]["ids"].update(head_pan=19.7),
+            "head_pan: expected a servo id 0 to 252, found 19.7",
+        ),
+        (lambda data: data["servos"]["ids"].update(head_pan=253), "head_pan: expected a servo id 0 to 252, found 253"),
+        (lambda data: data["servos"]["board"].update(id=5), "board has the id 5 of a servo"),
+        (lambda data: data["servos"]["board"].update(id=200.5), "board id: expected a whole number from 0 to 252"),
+        (lambda data: data["servos"]["board"].update(power="on"), "board power: expected a whole number"),
+        (lambda data: data["servos"]["board"].update(button_names="start"), "button_names: expected a list of 1 to 8"),
+        (lambda data: data["servos"]["board"].update(wait_s=-1), "board wait_s: expected a number of at least 0"),
+        (lambda data: data["servos"]["board"].update(watts=1), "entry of servos board 'watts'; valid: "),
+        (lambda data: data["servos"]["board"].pop("voltage"), "missing 1 required .* 'voltage'"),
     ],
 )
 def test_a_wrong_servo_section_is_refused(tmp_path: Path, change: Callable[[dict[str, Any]], object], words: str):

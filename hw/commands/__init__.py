@@ -1,0 +1,1 @@
+"""The `servos` commands: look at servos, set them up, make them safe."""
