@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from pipeline.candidate import Candidate, Sample
+from pipeline.stages import Stages
 from pipeline.timings import Timings
 from ros_free_stack.console import progress, say
 from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory
@@ -13,11 +14,14 @@ from ros_free_stack.skeleton import FPS
 
 if TYPE_CHECKING:
     from generator.performer import Performer
+    from generator.ranking import Ranker
     from generator.text.encoder import TextEncoder
+    from generator.text.reading import Segmenter
+    from generator.text.understanding import Understanding
+    from retarget.pipeline import Retargeter
     from retarget.report import RetargetReport
     from sim.judge.verdict import Judgement
 
-Stage = TypeVar("Stage")
 Make = Callable[["Performer"], tuple[HumanMotion, ...]]
 
 
@@ -47,7 +51,19 @@ class Pipeline:
         self.mount: Mount = mount
         self.controller: ControllerName | None = controller
         self.generator = generator
-        self._stages: dict[str, Any] = {}
+        self._stages = Stages()
+
+    def prepare(self) -> None:
+        """Begin to load every stage in the background; a sentence that comes meanwhile is read as soon as it can be."""
+        # What several stages import comes first, in one thread.
+        import scipy.ndimage
+        import scipy.spatial.transform  # noqa: F401
+
+        self._stages.begin("segmenter", self._make_segmenter)
+        self._stages.begin("generator", self._make_generator)
+        self._stages.begin("ranker", self._make_ranker)
+        self._stages.begin("retargeter", self._make_retargeter)
+        self._stages.begin("judge", self._make_judge)
 
     def segments(self, prompt: str, *, anyway: bool = False) -> tuple[tuple[str, ...], bool]:
         """The segment texts of a prompt in temporal order, and whether the model knows them all.
@@ -56,13 +72,7 @@ class Pipeline:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
-        from generator.registry import SHARED_WEIGHTS
-        from generator.text.understanding import Understanding, segmenter
-
-        understanding = self._stage(
-            "understanding",
-            lambda: Understanding(SHARED_WEIGHTS, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
-        )
+        understanding = self._stages.get("understanding", self._make_understanding)
         understood = understanding.read(prompt, anyway=anyway)
         for note in understood.notes:
             say(note)
@@ -78,9 +88,7 @@ class Pipeline:
 
     def compared(self, prompt: str, motions: Sequence[HumanMotion]) -> list[Sample]:
         """The motions with how well each shows its sentence, the best first."""
-        from generator.ranking import Ranker
-
-        distances = self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+        distances = self._stages.get("ranker", self._make_ranker).distances(prompt, motions).tolist()
         samples = []
         for motion, distance in zip(motions, distances, strict=True):
             found = self._generator.mismatches(motion)
@@ -91,16 +99,12 @@ class Pipeline:
 
     def retarget(self, motion: HumanMotion) -> tuple[RobotTrajectory, "RetargetReport"]:
         """The robot's trajectory of a human motion, and how far from its targets it had to stay."""
-        from retarget.pipeline import Retargeter
-
-        retargeter = self._stage("retargeter", lambda: Retargeter(self.robot))
-        result = retargeter.retarget(motion)
+        result = self._stages.get("retargeter", self._make_retargeter).retarget(motion)
         return result.trajectory, result.report
 
     def judge(self, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> "Judgement":
         """The verdict on a trajectory, with its playback by a controller; None takes the pipeline's own."""
-        from sim.judge.verdict import judge
-
+        judge = self._stages.get("judge", self._make_judge)
         return judge(trajectory, self.robot, mount=self.mount, controller=controller or self.controller or "default")
 
     def repair(self, candidate: Candidate) -> Candidate:
@@ -145,20 +149,22 @@ class Pipeline:
     ) -> tuple[Candidate, ...]:
         """Generate, then retarget and judge what shows the sentence best, one after the other until one passes.
 
-        One passes if it is feasible and shows every action that was asked for. The preferred candidate comes first,
-        repaired where none is feasible. `exhaustive` goes on after one has passed: that one stays preferred, but
-        how many pass is then known. `make` makes the motions in another way than from the prompt alone.
+        One passes if it is feasible and shows every action that was asked for, or if it is feasible and no other one
+        shows them all. The preferred candidate comes first, repaired where none is feasible. `exhaustive` goes on after
+        one has passed: that one stays preferred, but how many pass is then known. `make` makes the motions in another
+        way than from the prompt alone.
         """
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates, make=make)
             samples = self.compared(prompt, motions)
         found: list[Candidate] = []
-        for sample in progress(samples, "retarget and judge", total=len(samples)):
+        for tried, sample in enumerate(progress(samples, "retarget and judge", total=len(samples)), start=1):
             with timings.measure("retarget"):
                 trajectory, report = self.retarget(sample.motion)
             with timings.measure("validate"):
                 found.append(Candidate(sample, trajectory, report, self.judge(trajectory)))
-            if found[-1].passed and not exhaustive:
+            hope = not sample.faithful and any(later.faithful for later in samples[tried:])
+            if found[-1].judgement.passed and not (exhaustive or hope):
                 break
         found.sort(key=lambda candidate: candidate.order)
         if repair and not found[0].judgement.passed:
@@ -168,16 +174,45 @@ class Pipeline:
 
     @property
     def _generator(self) -> "Performer":
-        from generator.performer import Performer
-
-        return self._stage("generator", lambda: Performer.load(generator=self.generator, text_encoder=self._encoder()))
+        return self._stages.get("generator", self._make_generator)
 
     def _encoder(self) -> "TextEncoder":
+        return self._stages.get("encoder", self._make_encoder)
+
+    def _make_segmenter(self) -> "Segmenter":
+        from generator.text.understanding import segmenter
+
+        return segmenter(self.llm, self.llm_model)
+
+    def _make_understanding(self) -> "Understanding":
+        from generator.registry import SHARED_WEIGHTS
+        from generator.text.understanding import Understanding
+
+        return Understanding(SHARED_WEIGHTS, self._encoder, lambda: self._stages.get("segmenter", self._make_segmenter))
+
+    def _make_encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder
 
-        return self._stage("encoder", TextEncoder)
+        return TextEncoder()
 
-    def _stage(self, name: str, make: Callable[[], Stage]) -> Stage:
-        if name not in self._stages:
-            self._stages[name] = make()
-        return self._stages[name]
+    def _make_generator(self) -> "Performer":
+        from generator.performer import Performer
+
+        return Performer.load(generator=self.generator, text_encoder=self._encoder())
+
+    def _make_ranker(self) -> "Ranker":
+        from generator.ranking import Ranker
+
+        return Ranker.load()
+
+    def _make_retargeter(self) -> "Retargeter":
+        from retarget.pipeline import Retargeter
+
+        return Retargeter(self.robot)
+
+    def _make_judge(self) -> "Callable[..., Judgement]":
+        from sim.judge.verdict import judge
+        from sim.model import judging_model
+
+        judging_model(self.robot)  # compiled into the cache, where it is not there
+        return judge
