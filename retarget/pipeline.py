@@ -1,5 +1,6 @@
 """From a human motion to a robot's trajectory: align, scale, plan footsteps, solve, balance, report."""
 
+from collections import defaultdict
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Literal
@@ -17,9 +18,10 @@ from retarget.plan.stride import leg_speed, stride_share
 from retarget.plan.targets import Targets, make_targets
 from retarget.plan.timeline import plan_timeline
 from retarget.report import RetargetReport, make_report
+from retarget.solve.effort import Effort
 from retarget.solve.frame_solver import FrameSolver
 from retarget.solve.solution import Solution
-from retarget.solve.whole_clip import ClipSolver
+from retarget.solve.whole_clip import ClipSolver, Efforts
 from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
@@ -57,7 +59,7 @@ class Retargeter:
         self.robot = robot
         self._geometry = measure(robot)
         self._frames = FrameSolver(self._geometry)
-        self._clip = ClipSolver(self._geometry) if solver == "clip" else None
+        self._clip = ClipSolver(self._geometry, self._frames.collision) if solver == "clip" else None
         self.preparation_s = perf_counter() - started
 
     def retarget(self, motion: HumanMotion, *, fps: float = 50.0, balance: bool = True) -> RetargetResult:
@@ -71,13 +73,15 @@ class Retargeter:
         times["targets"] = perf_counter() - started
         started = perf_counter()
         planned = targets.soles
-        targets, solution, unsolved = self._solve(targets)
+        efforts: Efforts = defaultdict(Effort)
+        balanced = balance and not self._geometry.held
+        targets, solution, unsolved = self._solve(targets, efforts, draft=balanced)
         failures = {"frame": self._frames.program.failed, "balance": 0}
         times["solve"] = perf_counter() - started
         excess = None
-        if balance and not self._geometry.held:
+        if balanced:
             started = perf_counter()
-            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures)
+            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures, efforts)
             times["balance"] = perf_counter() - started
         return RetargetResult(
             trajectory=self._trajectory(targets, solution),
@@ -108,17 +112,17 @@ class Retargeter:
         )
         return make_targets(clip, geometry, plan_timeline(pace, fps), stride), stride, pace.slowdown
 
-    def _solve(self, targets: Targets) -> tuple[Targets, Solution, Unsolved]:
+    def _solve(self, targets: Targets, efforts: Efforts, *, draft: bool) -> tuple[Targets, Solution, Unsolved]:
         """Targets with the footholds that were reached, a solution, and the frames that could not be improved."""
         solution = self._frames.solve(targets)
         if self._clip is None:
             return targets, solution, ()
         targets = latch(self._geometry, targets, solution.qpos)
-        found = self._clip.solve(targets, solution.qpos)
+        found = self._clip.solve(targets, solution.qpos, efforts=efforts, draft=draft)
         return targets, found.solution, found.unsolved
 
     def _balanced(
-        self, targets: Targets, solution: Solution, unsolved: Unsolved, failures: dict[str, int]
+        self, targets: Targets, solution: Solution, unsolved: Unsolved, failures: dict[str, int], efforts: Efforts
     ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
 
@@ -133,7 +137,7 @@ class Retargeter:
         before = after = zmp_excess(dynamics.zmp, outer)
         longest = np.inf
         for done in range(BALANCE_PASSES):
-            if done and after.max() < INSIDE_M:
+            if done and (after.max() < INSIDE_M or _spent(efforts)):
                 break
             # A body that was left where it was tells nothing of what it makes of a centre of mass.
             try:
@@ -147,7 +151,7 @@ class Retargeter:
                 solution = self._frames.solve(shifted, com)
                 failures["frame"] += self._frames.program.failed
             else:
-                found = self._clip.solve(shifted, solution.qpos, com)
+                found = self._clip.solve(shifted, solution.qpos, com, efforts=efforts)
                 solution, unsolved = found.solution, found.unsolved
                 longest = min(longest / 2, LONGEST_SHIFT * geometry.limb_length) if unsolved else longest
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
@@ -201,3 +205,8 @@ def retarget(
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:
     """(N, F) contacts of feet that do rest on their footholds; a foot that moves is no support."""
     return targets.contacts & ~solution.released & (solution.foot_error < 0.05 * geometry.ankle_height)
+
+
+def _spent(efforts: Efforts) -> bool:
+    """Whether no stretch may be solved again."""
+    return bool(efforts) and all(effort.spent for effort in efforts.values())
