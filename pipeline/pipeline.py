@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from pipeline.candidate import Candidate, Sample
+from pipeline.stages import Stages
 from pipeline.timings import Timings
 from ros_free_stack.console import progress, say
 from ros_free_stack.messages import ControllerName, HumanMotion, Mount, RobotTrajectory
@@ -14,13 +15,14 @@ from ros_free_stack.skeleton import FPS
 if TYPE_CHECKING:
     from generator.amounts import Fitted, Plan, Wanted
     from generator.performer import Performer
+    from generator.ranking import Ranker
     from generator.text.encoder import TextEncoder
-    from generator.text.understanding import Understood
-    from retarget.pipeline import RetargetResult
+    from generator.text.reading import Segmenter
+    from generator.text.understanding import Understanding, Understood
+    from retarget.pipeline import Retargeter, RetargetResult
     from retarget.report import RetargetReport
     from sim.judge.verdict import Judgement
 
-Stage = TypeVar("Stage")
 Make = Callable[["Performer"], tuple[HumanMotion, ...]]
 
 
@@ -50,7 +52,19 @@ class Pipeline:
         self.mount: Mount = mount
         self.controller: ControllerName | None = controller
         self.generator = generator
-        self._stages: dict[str, Any] = {}
+        self._stages = Stages()
+
+    def prepare(self) -> None:
+        """Begin to load every stage in the background; a sentence that comes meanwhile is read as soon as it can be."""
+        # What several stages import comes first, in one thread.
+        import scipy.ndimage
+        import scipy.spatial.transform  # noqa: F401
+
+        self._stages.begin("segmenter", self._make_segmenter)
+        self._stages.begin("generator", self._make_generator)
+        self._stages.begin("ranker", self._make_ranker)
+        self._stages.begin("retargeter", self._make_retargeter)
+        self._stages.begin("judge", self._make_judge)
 
     def understand(self, prompt: str, *, anyway: bool = False) -> "Understood":
         """What a prompt asks for; what there is to say of it is said.
@@ -59,13 +73,7 @@ class Pipeline:
             InvalidPrompt: the prompt is empty, too long, not English, or has too many actions.
             OutOfDomain: a segment is unknown to the model, unless `anyway`.
         """
-        from generator.registry import SHARED_WEIGHTS
-        from generator.text.understanding import Understanding, segmenter
-
-        understanding = self._stage(
-            "understanding",
-            lambda: Understanding(SHARED_WEIGHTS, self._encoder, lambda: segmenter(self.llm, self.llm_model)),
-        )
+        understanding = self._stages.get("understanding", self._make_understanding)
         understood = understanding.read(prompt, anyway=anyway)
         for note in understood.notes:
             say(note)
@@ -99,9 +107,7 @@ class Pipeline:
 
     def compared(self, prompt: str, motions: Sequence[HumanMotion]) -> list[Sample]:
         """The motions with how well each shows its sentence, the best first."""
-        from generator.ranking import Ranker
-
-        distances = self._stage("ranker", Ranker.load).distances(prompt, motions).tolist()
+        distances = self._stages.get("ranker", self._make_ranker).distances(prompt, motions).tolist()
         samples = []
         for motion, distance in zip(motions, distances, strict=True):
             found = self._generator.mismatches(motion)
@@ -143,14 +149,12 @@ class Pipeline:
         return fit(motion, wanted, made, lambda motion, result: robot_measured(motion, result, wanted))
 
     def _retargeted(self, motion: HumanMotion, *, most_stride: float = 1.0) -> "RetargetResult":
-        from retarget.pipeline import Retargeter
-
-        return self._stage("retargeter", lambda: Retargeter(self.robot)).retarget(motion, most_stride=most_stride)
+        retargeter = self._stages.get("retargeter", self._make_retargeter)
+        return retargeter.retarget(motion, most_stride=most_stride)
 
     def judge(self, trajectory: RobotTrajectory, controller: ControllerName | None = None) -> "Judgement":
         """The verdict on a trajectory, with its playback by a controller; None takes the pipeline's own."""
-        from sim.judge.verdict import judge
-
+        judge = self._stages.get("judge", self._make_judge)
         return judge(trajectory, self.robot, mount=self.mount, controller=controller or self.controller or "default")
 
     def repair(self, candidate: Candidate) -> Candidate:
@@ -197,21 +201,22 @@ class Pipeline:
     ) -> tuple[Candidate, ...]:
         """Generate, then retarget and judge what shows the sentence best, one after the other until one passes.
 
-        One passes if it is feasible and shows every action that was asked for. The preferred candidate comes first,
-        repaired where none is feasible. `exhaustive` goes on after one has passed: that one stays preferred, but
-        how many pass is then known. `make` makes the motions in another way than from the prompt alone; `wanted` are
-        the amounts that their segments are to come to on the robot.
+        One passes if it is feasible and shows every action that was asked for, or if it is feasible and no other one
+        shows them all. The preferred candidate comes first, repaired where none is feasible. `exhaustive` goes on after
+        one has passed: that one stays preferred, but how many pass is then known. `make` makes the motions in another
+        way than from the prompt alone; `wanted` are the amounts that their segments are to come to on the robot.
         """
         with timings.measure("generate"):
             motions = self.generate(prompt, segments, seed=seed, candidates=candidates, make=make)
             samples = self.compared(prompt, motions)
         found: list[Candidate] = []
-        for sample in progress(samples, "retarget and judge", total=len(samples)):
+        for tried, sample in enumerate(progress(samples, "retarget and judge", total=len(samples)), start=1):
             with timings.measure("retarget"):
                 made = self.fitted(prompt, sample, wanted) if wanted else (sample, *self.retarget(sample.motion))
             with timings.measure("validate"):
                 found.append(Candidate(*made, self.judge(made[1])))
-            if found[-1].passed and not exhaustive:
+            hope = not sample.faithful and any(later.faithful for later in samples[tried:])
+            if found[-1].judgement.passed and not (exhaustive or hope):
                 break
         found.sort(key=lambda candidate: candidate.order)
         if repair and not found[0].judgement.passed:
@@ -221,16 +226,45 @@ class Pipeline:
 
     @property
     def _generator(self) -> "Performer":
-        from generator.performer import Performer
-
-        return self._stage("generator", lambda: Performer.load(generator=self.generator, text_encoder=self._encoder()))
+        return self._stages.get("generator", self._make_generator)
 
     def _encoder(self) -> "TextEncoder":
+        return self._stages.get("encoder", self._make_encoder)
+
+    def _make_segmenter(self) -> "Segmenter":
+        from generator.text.understanding import segmenter
+
+        return segmenter(self.llm, self.llm_model)
+
+    def _make_understanding(self) -> "Understanding":
+        from generator.registry import SHARED_WEIGHTS
+        from generator.text.understanding import Understanding
+
+        return Understanding(SHARED_WEIGHTS, self._encoder, lambda: self._stages.get("segmenter", self._make_segmenter))
+
+    def _make_encoder(self) -> "TextEncoder":
         from generator.text.encoder import TextEncoder
 
-        return self._stage("encoder", TextEncoder)
+        return TextEncoder()
 
-    def _stage(self, name: str, make: Callable[[], Stage]) -> Stage:
-        if name not in self._stages:
-            self._stages[name] = make()
-        return self._stages[name]
+    def _make_generator(self) -> "Performer":
+        from generator.performer import Performer
+
+        return Performer.load(generator=self.generator, text_encoder=self._encoder())
+
+    def _make_ranker(self) -> "Ranker":
+        from generator.ranking import Ranker
+
+        return Ranker.load()
+
+    def _make_retargeter(self) -> "Retargeter":
+        from retarget.pipeline import Retargeter
+
+        return Retargeter(self.robot)
+
+    def _make_judge(self) -> "Callable[..., Judgement]":
+        from sim.judge.verdict import judge
+        from sim.model import judging_model
+
+        judging_model(self.robot)  # compiled into the cache, where it is not there
+        return judge

@@ -104,6 +104,7 @@ class Run(MotionOptions):
             controller=self._controller(),
             generator=self.generator,
         )
+        pipeline.prepare()
         if self.prompts is not None:
             return self._run_all(pipeline, prompts)
         ran = self._run_one(pipeline, prompts[0], self.out)

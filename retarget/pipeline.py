@@ -1,5 +1,6 @@
 """From a human motion to a robot's trajectory: align, scale, plan footsteps, solve, balance, report."""
 
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -18,9 +19,10 @@ from retarget.plan.stride import leg_speed, stride_share
 from retarget.plan.targets import Targets, make_targets
 from retarget.plan.timeline import Timeline, plan_timeline
 from retarget.report import RetargetReport, make_report
+from retarget.solve.effort import Effort
 from retarget.solve.frame_solver import FrameSolver
 from retarget.solve.solution import Solution
-from retarget.solve.whole_clip import ClipSolver
+from retarget.solve.whole_clip import ClipSolver, Efforts
 from ros_free_stack.errors import InvalidOption, SolverFailed
 from ros_free_stack.messages import Bools, Floats, HumanMotion, RobotTrajectory
 from ros_free_stack.robots import RobotDescription
@@ -65,7 +67,7 @@ class Retargeter:
         self.robot = robot
         self._geometry = measure(robot)
         self._frames = FrameSolver(self._geometry)
-        self._clip = ClipSolver(self._geometry) if solver == "clip" else None
+        self._clip = ClipSolver(self._geometry, self._frames.collision) if solver == "clip" else None
         self.preparation_s = perf_counter() - started
 
     def retarget(
@@ -89,13 +91,15 @@ class Retargeter:
         times["targets"] = perf_counter() - started
         started = perf_counter()
         planned = targets.soles
-        targets, solution, unsolved = self._solve(targets, passes)
+        efforts: Efforts = defaultdict(Effort)
+        balanced = balance and not self._geometry.held
+        targets, solution, unsolved = self._solve(targets, efforts, passes, draft=balanced)
         failures = {"frame": self._frames.program.failed, "balance": 0}
         times["solve"] = perf_counter() - started
         excess = None
-        if balance and not self._geometry.held:
+        if balanced:
             started = perf_counter()
-            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures, passes)
+            solution, unsolved, excess = self._balanced(targets, solution, unsolved, failures, efforts, passes)
             times["balance"] = perf_counter() - started
         passes.finish()
         return RetargetResult(
@@ -130,13 +134,15 @@ class Retargeter:
         timeline = plan_timeline(pace, fps)
         return timeline, make_targets(clip, geometry, timeline, stride), stride, pace.slowdown
 
-    def _solve(self, targets: Targets, passes: "_Passes") -> tuple[Targets, Solution, Unsolved]:
+    def _solve(
+        self, targets: Targets, efforts: Efforts, passes: "_Passes", *, draft: bool
+    ) -> tuple[Targets, Solution, Unsolved]:
         """Targets with the footholds that were reached, a solution, and the frames that could not be improved."""
         solution = self._frames.solve(targets)
         if self._clip is None:
             return targets, solution, ()
         targets = latch(self._geometry, targets, solution.qpos)
-        found = self._clip.solve(targets, solution.qpos, solved=passes.next())
+        found = self._clip.solve(targets, solution.qpos, efforts=efforts, draft=draft, solved=passes.next())
         return targets, found.solution, found.unsolved
 
     def _balanced(
@@ -145,6 +151,7 @@ class Retargeter:
         solution: Solution,
         unsolved: Unsolved,
         failures: dict[str, int],
+        efforts: Efforts,
         passes: "_Passes",
     ) -> tuple[Solution, Unsolved, dict[str, Floats]]:
         """Solve again with a centre of mass that keeps the ZMP inside the support polygons, until it does.
@@ -160,7 +167,7 @@ class Retargeter:
         before = after = zmp_excess(dynamics.zmp, outer)
         longest = np.inf
         for done in range(BALANCE_PASSES):
-            if done and after.max() < INSIDE_M:
+            if done and (after.max() < INSIDE_M or _spent(efforts)):
                 break
             # A body that was left where it was tells nothing of what it makes of a centre of mass.
             try:
@@ -174,7 +181,7 @@ class Retargeter:
                 solution = self._frames.solve(shifted, com)
                 failures["frame"] += self._frames.program.failed
             else:
-                found = self._clip.solve(shifted, solution.qpos, com, solved=passes.next())
+                found = self._clip.solve(shifted, solution.qpos, com, efforts=efforts, solved=passes.next())
                 solution, unsolved = found.solution, found.unsolved
                 longest = min(longest / 2, LONGEST_SHIFT * geometry.limb_length) if unsolved else longest
             dynamics = whole_body_dynamics(geometry, solution.qpos, fps)
@@ -253,3 +260,8 @@ class _Passes:
 def _resting(geometry: RobotGeometry, targets: Targets, solution: Solution) -> Bools:
     """(N, F) contacts of feet that do rest on their footholds; a foot that moves is no support."""
     return targets.contacts & ~solution.released & (solution.foot_error < 0.05 * geometry.ankle_height)
+
+
+def _spent(efforts: Efforts) -> bool:
+    """Whether no stretch may be solved again."""
+    return bool(efforts) and all(effort.spent for effort in efforts.values())

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter
 
 from generator.corpus.body import Floats
 
@@ -94,6 +93,8 @@ class Noise:
 
 def pendulum(acceleration: Floats, rate: float) -> Floats:
     """(T,) angle of a damped pendulum (1 Hz, damping 0.35, 0.55 m) whose pivot accelerates by (T,) m/s^2."""
+    from scipy.signal import lfilter  # slow to import, and the generator imports the actions to verify them
+
     omega, damping, length = 2 * np.pi, 0.35, 0.55
     a = [rate**2 + 2 * damping * omega * rate + omega**2, -2 * rate**2 - 2 * damping * omega * rate, rate**2]
     return np.asarray(lfilter([1 / a[0]], [1.0, a[1] / a[0], a[2] / a[0]], -acceleration / length))

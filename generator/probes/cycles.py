@@ -1,16 +1,34 @@
 """How often something happens: turning points of a signal."""
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from generator.probes.signals import Floats
 
 
 def peaks(signal: Floats, prominence: float, *, least: float = -np.inf) -> Floats:
-    """Frames of maxima that rise by `prominence` over both sides and reach `least`; one at an edge counts not."""
+    """Frames of maxima that rise by `prominence` over both sides and reach `least`; one at an edge counts not.
+
+    As `scipy.signal.find_peaks` has it, whose import takes longer than all of the judging of a motion.
+    """
     if len(signal) < 3:
         return np.zeros(0)
-    return find_peaks(signal, prominence=prominence, height=None if np.isinf(least) else least)[0].astype(float)
+    # Of several equal values in a row the middle one is the maximum.
+    first = np.concatenate([[0], np.flatnonzero(np.diff(signal)) + 1])
+    last = np.concatenate([first[1:] - 1, [len(signal) - 1]])
+    values = signal[first]
+    inside = values[1:-1]
+    tops = 1 + np.flatnonzero((inside > values[:-2]) & (inside > values[2:]) & (inside >= least))
+    kept = [top for top in tops.tolist() if values[top] - _base(values, top) >= prominence]
+    return ((first[kept] + last[kept]) // 2).astype(float)
+
+
+def _base(values: Floats, top: int) -> float:
+    """The higher of the lowest values on either side of a maximum, each side up to where something is higher."""
+    higher = np.flatnonzero(values > values[top])
+    split = np.searchsorted(higher, top)
+    left = higher[split - 1] if split else 0
+    right = higher[split] if split < len(higher) else len(values) - 1
+    return float(max(values[left : top + 1].min(), values[top : right + 1].min()))
 
 
 def rises(signal: Floats, prominence: float, *, least: float = -np.inf) -> int:

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from retarget.body.collision import Collision, proximity
-from retarget.body.compiled import compiled
+from retarget.body.collision import Collision
 from retarget.body.frame_batch import BatchFunction
 from retarget.body.geometry import RobotGeometry
 from ros_free_stack.messages import Floats
@@ -33,12 +32,11 @@ class Clearances:
 class Clearance:
     """The capsule pairs of a robot's description, evaluated on many frames."""
 
-    def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
-        """Compile the distances of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
-        function = proximity(geometry)
-        self._function = BatchFunction(compiled(function) if machine_code else function)
+    def __init__(self, geometry: RobotGeometry, collision: Collision) -> None:
+        """Distances of `geometry` by the function of `collision`."""
+        self._function = BatchFunction(collision.function)
         self._step = np.zeros((1, geometry.model.nv))
-        self._margins = Collision(geometry, machine_code=machine_code).margins[None]
+        self._margins = collision.margins[None]
         self._near = NEAR * geometry.limb_length
 
     def __call__(self, qpos: Floats) -> Clearances:

@@ -40,13 +40,15 @@ class Collision:
     """A robot's M pairs of capsules on L pairs of limbs.
 
     Attributes:
+        function: see `proximity`, compiled.
         margins: (M,) distances to keep, m.
     """
 
     def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
         """Build and compile the distances of `geometry`; `machine_code=False` stays in the CasADi virtual machine."""
         function = proximity(geometry)
-        self._function = BufferedFunction(compiled(function) if machine_code else function)
+        self.function = compiled(function) if machine_code else function
+        self._function = BufferedFunction(self.function)
         inputs, outputs = self._function.inputs, self._function.outputs
         self._qpos, self._step = inputs["qpos"][:, 0], inputs["step"][:, 0]
         self._left, self._ahead = outputs["left"][:, 0], outputs["ahead"][:, 0]

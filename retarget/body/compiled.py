@@ -94,9 +94,13 @@ def _reason(error: Exception) -> str:
 
 
 def _key(text: str, compiler: str) -> str:
-    version = subprocess.run([compiler, "--version"], capture_output=True, check=True).stdout
-    parts = (text.encode(), " ".join(FLAGS).encode(), version, platform.platform().encode())
+    parts = (text.encode(), " ".join(FLAGS).encode(), _version(compiler), platform.platform().encode())
     return hashlib.sha256(b"\0".join(parts)).hexdigest()[:24]
+
+
+@cache
+def _version(compiler: str) -> bytes:
+    return subprocess.run([compiler, "--version"], capture_output=True, check=True).stdout
 
 
 def _compile(compiler: str, text: str, library: Path) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from retarget.body.clearance import Clearance, Clearances
+from retarget.body.collision import Collision
 from retarget.body.compiled import compiled
 from retarget.body.frame_batch import BatchFunction
 from retarget.body.geometry import RobotGeometry
@@ -33,7 +34,7 @@ SMOOTHNESS = 10.0
 ROOT_SMOOTHNESS = (100.0, 100.0)
 """The same of the root: translation in lengths of a leg, rotation."""
 RATE = 50.0
-ROOM = 1e-6
+ROOM = 2e-6
 """Least distance in rad that is kept from every limit of a joint."""
 NEAR_LIMIT = 0.4
 """Share of a limit from which a joint's step, or change of step, is watched."""
@@ -42,12 +43,17 @@ NEAR_LIMIT = 0.4
 class ClipModel:
     """The compiled functions of one robot's frames."""
 
-    def __init__(self, geometry: RobotGeometry, *, machine_code: bool = True) -> None:
-        """Build and compile them; `machine_code=False` stays in the CasADi virtual machine."""
+    def __init__(
+        self, geometry: RobotGeometry, collision: Collision | None = None, *, machine_code: bool = True
+    ) -> None:
+        """Build and compile them, but for those of a `collision` that is there already.
+
+        `machine_code=False` stays in the CasADi virtual machine.
+        """
         self.geometry = geometry
         terms = trajectory_terms(geometry)
         self.terms = BatchFunction(compiled(terms) if machine_code else terms)
-        self.clearance = Clearance(geometry, machine_code=machine_code)
+        self.clearance = Clearance(geometry, collision or Collision(geometry, machine_code=machine_code))
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,7 @@ class FrameSolver:
         planted: (F,) the feet that it holds.
         released: (F,) standing feet that it could not keep where they were planted.
         last: (nv,) the last step.
+        collision: the distances between its limbs.
         program: the quadratic program; it counts those without a solution, where the step stays as it was, inside its
             bounds.
         bounds: (nv,) and (nv,) least and largest last step; the next one overwrites them.
@@ -71,7 +72,7 @@ class FrameSolver:
             BufferedFunction(compiled(function) if machine_code else function)
             for function in (functions.program, functions.state)
         )
-        self._collision = Collision(geometry, machine_code=machine_code)
+        self.collision = Collision(geometry, machine_code=machine_code)
         self._couplings = joint_couplings(geometry.model)
         bodies = [geometry.model.body(foot.body).name for foot in geometry.feet]
         self._soles = {
@@ -250,7 +251,7 @@ class FrameSolver:
         """Limbs apart, but for feet that stand too near each other: rows that contradict the footholds would pull at
         everything else, with forces beyond what a Gauss-Newton step may leave out."""
         free = [pair for pair, feet in self._soles.items() if self.planted[feet].all()]
-        approach = self._collision.approach(self.qpos, frame_s, NEAREST, self.last, free)
+        approach = self.collision.approach(self.qpos, frame_s, NEAREST, self.last, free)
         count = len(approach.least)
         self._apart_rows[:count], self._apart[:count] = approach.jacobian, approach.least
         self._apart[count:] = -UNBOUNDED

@@ -21,11 +21,16 @@ from ros_free_stack.messages import Bools, Floats
 
 SLACK_PRICE = 1e6
 """The price p: a soft row gives way by micrometres, unless it has to."""
-TOLERANCE, GAP = 1e-6, 1e-2
+TOLERANCE, GAP = 3e-6, 1e-2
 """Largest residuals of the conditions of optimality, and relative duality gap: the next program starts where this one
 ended, so only what is left of the rows counts."""
-UNIT = 0.3
-"""Increments in rad or m that are one to the solver: its first guess then lies as far from the bounds as they are."""
+UNIT = 0.1
+"""Increments in rad or m that are one to the solver: its first guess then lies about as far from the bounds as they
+are."""
+STUCK = 60
+"""Iterations after which the solver has lost its way."""
+FRACTION = 0.999
+"""Share of the way to the nearest bound that an iteration may go."""
 WATCHED = 0.25
 """Share of a limited difference's range, from either end, in which a row for it is added when a joint missed one."""
 UNUSED = -1.0
@@ -59,7 +64,11 @@ class LimitedDifferences:
 
 
 class TrajectoryQP:
-    """Programs of one stretch with a common pattern, which grows where more rows come near their limits."""
+    """Programs of one stretch with a common pattern, which grows where more rows come near their limits.
+
+    Attributes:
+        iterations: of the interior point in the last program.
+    """
 
     def __init__(self, stretch: Stretch, dofs: np.ndarray, smoothness: Floats) -> None:
         """`dofs` (J,) have limits; `smoothness` (nv,) are the weights w."""
@@ -73,6 +82,7 @@ class TrajectoryQP:
         self._slots = np.zeros(self._count, dtype=int)
         self._missed = np.zeros_like(self._near)
         self._solver: piqp.SparseSolver | None = None
+        self.iterations = 0
 
     def solve(
         self,
@@ -105,7 +115,9 @@ class TrajectoryQP:
             solver.setup(matrix, linear, None, None, rows, lower, upper, low, high)
         else:
             solver.update(P=matrix, c=linear, G=rows, h_l=lower, h_u=upper, x_l=low, x_u=high)
-        if solver.solve() != piqp.PIQP_SOLVED:
+        status = solver.solve()
+        self.iterations = int(solver.result.info.iter)
+        if status != piqp.PIQP_SOLVED:
             return None
         values = UNIT * solver.result.x.reshape(self._count, self._nv + 1)[:, : self._nv]
         return self._within(values, cost, box, limits)
@@ -225,7 +237,7 @@ def _allowed(differences: Floats, lower: Floats, upper: Floats) -> float:
 def _solver() -> piqp.SparseSolver:
     solver = piqp.SparseSolver()
     settings = solver.settings
-    settings.verbose = False
+    settings.verbose, settings.max_iter, settings.tau = False, STUCK, FRACTION
     settings.kkt_solver = piqp.KKTSolver.sparse_multistage
     settings.eps_abs = settings.eps_rel = TOLERANCE
     settings.eps_duality_gap_rel = GAP

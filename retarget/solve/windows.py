@@ -2,7 +2,7 @@
 
 from retarget.solve.differences import Stretch
 
-LENGTH = 400
+LENGTH = 640
 """Most frames of a window: memory grows with it, not with the clip."""
 OVERLAP = 80
 """Least frames that two windows share: what happens beyond them no longer matters to the frames that are kept."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from scipy.linalg import solve_banded
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter
 
 from ros_free_stack.messages import Bools, ControllerName, Floats, Mount, StateName
 from ros_free_stack.robot_model import joint_addresses
@@ -340,4 +340,6 @@ def _electric(model: mujoco.MjModel, robot: RobotDescription, force: Floats, spe
     drawn = uniform_filter1d(drawn, round(SUPPLY_WINDOW_S / dt), mode="nearest")
     keep = np.exp(-dt / (motor.heat_capacity * motor.thermal_resistance))
     heat = motor.resistance * current**2 * motor.thermal_resistance * (1 - keep)
-    return drawn, np.asarray(lfilter([1.0], [1.0, -keep], heat, axis=0))
+    # warmth[k] - keep * warmth[k - 1] = heat[k]
+    band = np.array([np.ones(len(heat)), np.full(len(heat), -keep)])
+    return drawn, np.asarray(solve_banded((1, 0), band, heat, check_finite=False))

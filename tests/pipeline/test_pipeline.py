@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from generator.verifier import ABSENT
 from pipeline.candidate import Sample
 from pipeline.pipeline import Pipeline
 from pipeline.timings import Timings
@@ -31,7 +32,10 @@ class Scripted(Pipeline):
         return tuple(replace(still, source=str(k)) for k in range(len(self.given)))
 
     def compared(self, prompt: str, motions: Any) -> list[Sample]:
-        found = [Sample(m, *self.given[int(m.source)][:1], (), self.given[int(m.source)][1]) for m in motions]
+        found = []
+        for motion in motions:
+            violations, distance, _ = self.given[int(motion.source)]
+            found.append(Sample(motion, violations, (), distance, faithful=violations < ABSENT))
         return sorted(found, key=lambda sample: sample.order)
 
     def retarget(self, motion: HumanMotion) -> Any:
@@ -58,6 +62,21 @@ def test_candidates_what_shows_most_is_tried_first_and_the_first_that_passes_end
     assert search(samples, exhaustive=True) == ([2, 1, 3, 0], [1, 3, 0, 2])
 
 
+def test_candidates_where_none_shows_every_action_the_first_feasible_one_ends_it():
+    assert search([(ABSENT, 0.1, 1), (ABSENT, 0.2, 0), (ABSENT + 1, 0.1, 0)], exhaustive=False) == ([0, 1], [1, 0])
+
+
+def test_candidates_one_that_lacks_an_action_does_not_end_the_search_while_another_one_may_not():
+    """Samples as they may come from another verifier, with many small faults and all actions."""
+    pipeline = Scripted([(ABSENT, 0.1, 0), (ABSENT + 1, 0.1, 0)])
+    pipeline.compared = lambda prompt, motions: [  # type: ignore[method-assign]
+        Sample(motions[0], ABSENT, (), 0.1, faithful=False),
+        Sample(motions[1], ABSENT + 1, (), 0.1, faithful=True),
+    ]
+    found = pipeline.candidates(PROMPT, (PROMPT,), seed=0, candidates=2, timings=Timings())
+    assert pipeline.tried == [0, 1] and found[0].motion.source == "1"
+
+
 def test_candidates_where_none_passes_the_fewest_failed_checks_come_first():
     assert search([(0, 0.1, 3), (0, 0.2, 1)], exhaustive=False) == ([0, 1], [1, 0])
 
@@ -68,7 +87,7 @@ def test_candidates_exhaustive_search_changes_how_much_is_known_and_not_what_is_
     all_tried, all_found = search(samples, exhaustive=True)
     assert all_found[0] == found[0]
     assert all_tried[: len(tried)] == tried and sorted(all_tried) == list(range(len(samples)))
-    assert any(samples[k][2] == 0 for k in tried) or len(tried) == len(samples)
+    assert samples[tried[-1]][2] == 0 or len(tried) == len(samples)
 
 
 @pytest.mark.parametrize("exhaustive", [False, True])

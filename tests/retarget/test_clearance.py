@@ -16,7 +16,8 @@ def geometry():
 
 
 def test_distances_of_all_frames_and_their_derivatives(geometry):
-    rng, clearance, collision = np.random.default_rng(0), Clearance(geometry), Collision(geometry)
+    rng, collision = np.random.default_rng(0), Collision(geometry)
+    clearance = Clearance(geometry, collision)
     qpos = np.tile(geometry.standing, (70, 1))
     qpos[:, geometry.qpos_index] += rng.uniform(-0.4, 0.4, (70, len(geometry.qpos_index)))
     found = clearance(qpos)

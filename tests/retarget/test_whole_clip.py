@@ -1,3 +1,4 @@
+from collections import defaultdict
 from itertools import pairwise
 
 import mujoco
@@ -16,8 +17,10 @@ from retarget.plan.stride import leg_speed, stride_share
 from retarget.plan.targets import Targets, make_targets
 from retarget.plan.timeline import plan_timeline
 from retarget.solve import whole_clip
+from retarget.solve.effort import Effort
 from retarget.solve.frame_solver import FrameSolver
 from retarget.solve.limits import JointBounds
+from retarget.solve.trajectory_qp import STUCK
 from retarget.solve.whole_clip import ClipSolver
 from retarget.solve.windows import windows
 from ros_free_stack.messages import HumanMotion
@@ -191,8 +194,8 @@ def test_says_where_it_found_nothing_better(steps, motions, monkeypatch):
 def test_asks_less_of_a_body_that_does_not_follow(motions, monkeypatch):
     shifts = []
 
-    def spy(solver, targets, start, com=None, **others):
-        found = solve(solver, targets, start, com, **others)
+    def spy(solver, targets, start, com=None, **options):
+        found = solve(solver, targets, start, com, **options)
         if com is not None:
             shifts.append(np.linalg.norm(com - found.solution.centre_of_mass[:, :2], axis=1).max())
         return found
@@ -211,3 +214,28 @@ def test_reports_joints_at_their_limits(steps):
     bounds = JointBounds.of(GEOMETRY.robot, FPS)
     speed = np.abs(np.diff(solution.qpos[:, GEOMETRY.qpos_index], axis=0)).max(axis=0)
     assert not (solution.limited.any(axis=0) & (speed < 0.1 * bounds.step) & (speed < 0.1 * bounds.change)).any()
+
+
+def test_a_stretch_costs_no_more_than_its_effort_and_keeps_what_it_has_found(steps):
+    targets, start, solution = steps
+    (stretch,) = windows(len(targets))
+    com = solution.centre_of_mass[:, :2] + [0.02, 0.03]
+    spent, errors = [], []
+    for budget in (1, 1000):
+        efforts = defaultdict(Effort, {stretch: Effort(left=budget)})
+        found = SOLVER.solve(targets, start.qpos, com, efforts=efforts)
+        assert not found.unsolved
+        assert_within_limits(found.solution.qpos)
+        spent.append(budget - efforts[stretch].left)
+        errors.append(np.linalg.norm(found.solution.centre_of_mass[:, :2] - com, axis=1).mean())
+    assert 1 < spent[0] <= STUCK, "a single program"
+    assert spent[0] < spent[1] < 300 and errors[1] < errors[0]
+
+
+def test_a_draft_is_one_iteration(motions, monkeypatch):
+    programs = []
+    solve = whole_clip.TrajectoryQP.solve
+    monkeypatch.setattr(whole_clip.TrajectoryQP, "solve", lambda *given: programs.append(1) or solve(*given))
+    targets = targets_of(motions["steps"])
+    SOLVER.solve(targets, FRAMES.solve(targets).qpos, draft=True)
+    assert len(programs) == 1
