@@ -71,6 +71,7 @@ class Generator:
 
 
 _SEGMO: Final = "generator.models.segmo"
+_PARTY: Final = "generator.models.party"
 
 _STAGES: Final = (
     Stage("tokenizer", f"{_SEGMO}.objectives.tokenizer:from_job"),
@@ -98,6 +99,16 @@ GENERATORS: dict[str, Generator] = {
             stages=_STAGES,
             presets=("momask",),
         ),
+        Generator(
+            name="party",
+            title="ParTY (Heo et al., CVPR 2026): arms and legs first, as a guide to the whole body",
+            model=f"{_PARTY}.model:Party",
+            stages=(
+                Stage("tokenizer", f"{_PARTY}.objectives.tokenizer:from_job"),
+                Stage("transformer", f"{_PARTY}.objectives.transformer:from_job"),
+            ),
+            presets=("party-small", "party"),
+        ),
     )
 }
 """By name."""
@@ -119,6 +130,13 @@ def generator(name: str) -> Generator:
 def stages(of: Generator) -> tuple[Stage, ...]:
     """All stages that a generator needs, in order."""
     return (*of.stages, *SHARED_STAGES)
+
+
+def training_command(folder: Path) -> str:
+    """What trains the stage whose weights belong into a folder, which lies in its generator's."""
+    owner = GENERATORS.get(folder.parent.name)
+    chosen = f" --preset {owner.presets[0]}" if owner and owner.presets[0] != DEFAULT_PRESET else ""
+    return f"python launch.py train {folder.name}{chosen} --dataset DATASET --out {folder.parent.parent}"
 
 
 def find_preset(name: str, size: str = "small") -> tuple[Generator, Preset]:

@@ -1,12 +1,17 @@
 """Sizes of ParTY's models, what they are trained for, and how they are sampled from (appendix A.1)."""
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Final, Literal, Self
 
 from generator.config import FEATURES
+from generator.model import Sampling
 from generator.models.party.bodies import WHOLE, check_bodies
 from generator.models.party.temporal import Adjacency
 from ros_free_stack.errors import InvalidOption
+
+ConditioningKind = Literal["sentence", "layout"]
+
+_MODEL: Final = "transformer.model"
 
 
 @dataclass(frozen=True)
@@ -91,3 +96,92 @@ class TokenizerLosses:
     losses: Literal["published", "weighted"] = "weighted"
     approximation: float = 1.0
     window: int = 48
+
+
+@dataclass(frozen=True)
+class TransformerConfig:
+    """Part transformers, text grounding, part guidance, holistic-part fusion, and the holistic transformer.
+
+    Attributes:
+        width, layers, part_layers, heads, feed_forward, dropout: the usual sizes, layers of the whole body's and of
+            each part's transformer.
+        fusion_heads, fusion_head_width: of the fusion's attention.
+        cycle, part_cycle: tokens of the whole body, and of each part, in a cycle.
+        embeddings: perceptrons of the text grounding; 0 gives the parts the texts as they are (no PTG).
+        guidance: parts guide the whole body (PG).
+        fusion: parts are fused into the whole body's earlier tokens (HPF).
+        conditioning: "sentence" the sentence before the first token, as in the paper; "layout" each token is also told
+            its own segment's text, and how much of the segment and of the motion is over.
+        condition_dropout: probability of training without text, for classifier-free guidance.
+    """
+
+    width: int
+    layers: int
+    part_layers: int
+    heads: int
+    feed_forward: int
+    dropout: float
+    fusion_heads: int
+    fusion_head_width: int
+    cycle: int
+    part_cycle: int
+    embeddings: int = 4
+    guidance: bool = True
+    fusion: bool = True
+    conditioning: ConditioningKind = "sentence"
+    condition_dropout: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.width % self.heads:
+            raise InvalidOption(f"{_MODEL}.width", f"must be a multiple of {self.heads} heads, found {self.width}")
+        if self.cycle < 1 or self.part_cycle < 1:
+            raise InvalidOption(f"{_MODEL}.cycle", f"must be positive, found {self.cycle} and {self.part_cycle}")
+
+    def check_windows(self, tokens: TokenizerConfig) -> None:
+        """InvalidOption unless the parts of a cycle cover at least the time of what they guide."""
+        guided, ahead = self.cycle * tokens.window, self.part_cycle * tokens.part_window
+        if tokens.holistic and (self.guidance or self.fusion) and ahead < guided:
+            raise InvalidOption(
+                f"{_MODEL}.part_cycle",
+                f"{self.part_cycle} part tokens of {tokens.part_window} frames cover {ahead} frames, the cycle of "
+                f"{self.cycle} tokens of {tokens.window} frames that they guide {guided}",
+            )
+
+
+@dataclass(frozen=True)
+class TransformerLosses:
+    """What the transformers are trained for beside their tokens.
+
+    Attributes:
+        diversity, temperature: weight and temperature of the text diversity loss (equation 3).
+        auxiliary: weight of the L1 loss against part texts.
+        corruption: share of the tokens that are read as random ones, so that mistakes are met in training.
+    """
+
+    diversity: float = 0.1
+    temperature: float = 0.05
+    auxiliary: float = 0.1
+    corruption: float = 0.0
+
+
+@dataclass(frozen=True)
+class PartySampling:
+    """Settings of generation.
+
+    Attributes:
+        temperature: of the token distributions.
+        guidance: scale of classifier-free guidance; 1 is none.
+        top_k: only the best tokens are sampled, this share of the codebook.
+    """
+
+    temperature: float = 1.0
+    guidance: float = 1.0
+    top_k: float = 1.0
+
+    def told(self, wanted: Sampling) -> Self:
+        """These settings with what is asked for instead; tokens come one after the other, so there are no steps."""
+        return replace(
+            self,
+            guidance=self.guidance if wanted.guidance is None else wanted.guidance,
+            temperature=self.temperature if wanted.temperature is None else wanted.temperature,
+        )

@@ -1,5 +1,6 @@
 """Training of the tokenizer: windows of features, and what is left of them in each body."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -126,7 +127,7 @@ class TokenizerObjective:
         return torch.from_numpy(np.stack(rows))
 
 
-def batches_of_equal_length(clips: "tuple[Clip, ...] | list[Clip]", unit: int) -> list[list[int]]:
+def batches_of_equal_length(clips: Sequence[Clip], unit: int) -> list[list[int]]:
     """Indices of clips of equally many whole tokens of so many frames, at most 50 at a time."""
     lengths = np.array([clip.length // unit for clip in clips])
     batches = []
@@ -136,13 +137,15 @@ def batches_of_equal_length(clips: "tuple[Clip, ...] | list[Clip]", unit: int) -
     return batches
 
 
-def whole_features(dataset: MotionDataset, clips: "list[Clip]", unit: int) -> Tensor:
+def whole_features(dataset: MotionDataset, clips: Sequence[Clip], unit: int) -> Tensor:
     """(B, T, F) features of clips of equally many whole tokens, without the frames that fill none."""
     frames = clips[0].length // unit * unit
     return torch.from_numpy(np.stack([dataset.features(clip)[:frames] for clip in clips]))
 
 
-def reconstructions(model: PartyTokenizer, dataset: MotionDataset, clips: "tuple[Clip, ...] | list[Clip]"):
+def reconstructions(
+    model: PartyTokenizer, dataset: MotionDataset, clips: Sequence[Clip]
+) -> Iterator[tuple[Tensor, dict[str, Tensor]]]:
     """Batches of standardised features (B, T, F), and what is left of them in each body (B, T, C)."""
     unit = model.config.unit
     for rows in batches_of_equal_length(clips, unit):
