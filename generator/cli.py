@@ -35,7 +35,8 @@ class Train(Command):
     """Folder for the weights; each generator gets a folder in it, and each model one in that."""
     preset: str = DEFAULT_PRESET
     """How the models are built and trained: `segmo-layout` is what comes with the program, `segmo-published` SegMo as
-    published, `momask` its baseline, `party-small` and `party` (as published) ParTY."""
+    published, `momask` its baseline, `party-small` and `party` (as published) ParTY, `part-wise` its
+    baseline."""
     size: Size = "small"
     """`small` trains on two processor cores, `published` has the published sizes and wants a GPU."""
     set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()

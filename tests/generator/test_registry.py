@@ -54,11 +54,10 @@ def test_the_generator_that_comes_with_the_program_loads() -> None:
 
 
 def test_unknown_and_untrained_generators_are_named() -> None:
-    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, party, segmo"):
+    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, part-wise, party, segmo"):
         generator("mdm")
-    with pytest.raises(
-        UnknownName, match="unknown preset 'full'; valid: momask, party, party-small, segmo-layout, segmo-published"
-    ):
+    presets = "momask, part-wise, party, party-small, segmo-layout, segmo-published"
+    with pytest.raises(UnknownName, match=f"unknown preset 'full'; valid: {presets}"):
         find_preset("full")
     with pytest.raises(NoWeights, match="no trained tokenizer; train it with"):
         generator("momask").load(WEIGHTS_FOLDER, "cpu")
