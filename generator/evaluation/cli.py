@@ -33,7 +33,8 @@ class Evaluate(Command):
     """Folder with HumanML3D, GloVe and T2M's networks as published: the papers' own numbers, in place of a data set
     and an evaluator of this project."""
     evaluator: Path | None = None
-    """Folder of a trained evaluator; the one that comes with the program where not given."""
+    """Folder of a trained evaluator, perhaps of arms or legs alone; the one that comes with the program where not
+    given."""
     split: Literal["train", "val", "test"] = "test"
     """Which clips."""
     clips: int | None = None

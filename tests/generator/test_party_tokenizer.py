@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from generator.models.party.bodies import channels
+from generator.bodies import channels
 from generator.models.party.config import TokenizerConfig
 from generator.models.party.temporal import (
     NEAR,

@@ -1,13 +1,15 @@
 """Sizes of ParTY's models, what they are trained for, and how they are sampled from (appendix A.1)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, Self
 
+from generator.bodies import WHOLE, channels
 from generator.config import FEATURES
 from generator.model import Sampling
-from generator.models.party.bodies import WHOLE, check_bodies
 from generator.models.party.temporal import Adjacency
 from ros_free_stack.errors import InvalidOption
+from ros_free_stack.formats.features import CHANNELS
 
 ConditioningKind = Literal["sentence", "layout"]
 
@@ -19,7 +21,8 @@ class TokenizerConfig:
     """One temporal-aware VQ-VAE for each body.
 
     Attributes:
-        bodies: what has tokens: "whole" and the parts that guide it, or parts that share out the body.
+        bodies: what has tokens: "whole" and the parts that guide it, arms and legs in the paper; or, for a part-wise
+            generator, parts that share out the body, as arms, legs and trunk, or either limb, backbone and root.
         window, part_window: frames of a token of the whole body, and of a part.
         width, depth: channels of the decoder, and residual blocks of encoder and decoder.
         encoder_width: channels of the frame encoder.
@@ -45,7 +48,7 @@ class TokenizerConfig:
     features: int = FEATURES
 
     def __post_init__(self) -> None:
-        check_bodies(self.bodies)
+        _check_bodies(self.bodies)
         for name, frames in (("window", self.window), ("part_window", self.part_window)):
             if frames < 2 or frames % 2:
                 raise InvalidOption(f"tokenizer.model.{name}", f"must be even and positive, found {frames}")
@@ -184,4 +187,16 @@ class PartySampling:
             self,
             guidance=self.guidance if wanted.guidance is None else wanted.guidance,
             temperature=self.temperature if wanted.temperature is None else wanted.temperature,
+        )
+
+
+def _check_bodies(bodies: Sequence[str]) -> None:
+    """InvalidOption unless there is the whole body, or parts that share out all features between them."""
+    if len(set(bodies)) != len(bodies) or not bodies:
+        raise InvalidOption("tokenizer.model.bodies", f"each can be named once, at least one; found {list(bodies)}")
+    owned = sorted(index for body in bodies if body != WHOLE for index in channels(body))
+    if WHOLE not in bodies and owned != list(range(len(CHANNELS))):
+        raise InvalidOption(
+            "tokenizer.model.bodies",
+            f"without {WHOLE} the parts must share out the body, as arms, legs, trunk do; found {list(bodies)}",
         )

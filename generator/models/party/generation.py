@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor
 
-from generator.models.party.bodies import WHOLE
+from generator.bodies import WHOLE
 from generator.models.party.condition import Condition
 from generator.models.party.config import PartySampling
 from generator.models.party.fusion import FusionPast

@@ -8,8 +8,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from generator.bodies import WHOLE
 from generator.config import TEXT_WIDTH
-from generator.models.party.bodies import WHOLE
 from generator.models.party.body_transformer import BodySizes, BodyTransformer
 from generator.models.party.condition import ROW_WIDTH, Condition, TextRows
 from generator.models.party.config import TokenizerConfig, TransformerConfig

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator.models.party.bodies import WHOLE, channels
+from generator.bodies import WHOLE, channels
 from generator.models.party.config import TokenizerConfig
 from generator.models.party.temporal import GlobalEnhancement, LocalEnhancement, Mean, window_mask
 from generator.nn.convolution import ResidualBlock

@@ -9,9 +9,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from generator.bodies import WHOLE
 from generator.config import Training
 from generator.datasets.dataset import Clip, MotionDataset
-from generator.models.party.bodies import WHOLE
 from generator.models.party.config import TokenizerConfig, TokenizerLosses
 from generator.models.party.tokenizer import PartyTokenizer
 from generator.training.reconstruction import channel_weights, joint_error, positions, reconstruction_losses

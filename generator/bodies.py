@@ -1,8 +1,4 @@
-"""What has tokens of its own: the whole body, and parts of it.
-
-ParTY guides the whole body by "arms" and "legs". A part-wise generator (ParCo's kind) has no whole body: its parts
-share out the features, as arms, legs and trunk, or as either limb, backbone and root.
-"""
+"""The whole body and parts of it, as features of a frame: what has tokens of its own, or an evaluator of its own."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -48,20 +44,6 @@ def channels(body: str, features: int = len(CHANNELS)) -> tuple[int, ...]:
     if body not in PARTS:
         raise UnknownName("part of the body", body, (WHOLE, *PARTS))
     if features != len(CHANNELS):
-        raise InvalidOption(
-            "tokenizer.model.bodies", f"parts are known of {len(CHANNELS)} features, found {features} in the data set"
-        )
+        raise InvalidOption("body", f"parts are known of {len(CHANNELS)} features, found {features} in the data set")
     names = tuple(f"{joint}_" for joint in PARTS[body])
     return tuple(i for i, name in enumerate(CHANNELS) if name.startswith(names))
-
-
-def check_bodies(bodies: Sequence[str]) -> None:
-    """InvalidOption unless there is the whole body, or parts that share out all features between them."""
-    if len(set(bodies)) != len(bodies) or not bodies:
-        raise InvalidOption("tokenizer.model.bodies", f"each can be named once, at least one; found {list(bodies)}")
-    owned = sorted(index for body in bodies if body != WHOLE for index in channels(body))
-    if WHOLE not in bodies and owned != list(range(len(CHANNELS))):
-        raise InvalidOption(
-            "tokenizer.model.bodies",
-            f"without {WHOLE} the parts must share out the body, as arms, legs, trunk do; found {list(bodies)}",
-        )
