@@ -141,11 +141,11 @@ def stages(of: Generator) -> tuple[Stage, ...]:
     return (*of.stages, *SHARED_STAGES)
 
 
-def training_command(folder: Path) -> str:
-    """What trains the stage whose weights belong into a folder, which lies in its generator's."""
+def training_command(stage: str, folder: Path) -> str:
+    """What trains a stage whose weights belong into a folder, which lies in its generator's."""
     owner = GENERATORS.get(folder.parent.name)
     chosen = f" --preset {owner.presets[0]}" if owner and owner.presets[0] != DEFAULT_PRESET else ""
-    return f"python launch.py train {folder.name}{chosen} --dataset DATASET --out {folder.parent.parent}"
+    return f"python launch.py train {stage}{chosen} --dataset DATASET --out {folder.parent.parent}"
 
 
 def find_preset(name: str, size: str = "small") -> tuple[Generator, Preset]:

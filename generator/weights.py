@@ -74,7 +74,7 @@ def load(folder: Path, what: str) -> Weights:
     """
     path = folder / WEIGHTS
     if not path.is_file() or not (folder / CONFIG).is_file():
-        raise NoWeights(f"{folder}: no trained {what}; train it with `{training_command(folder)}`")
+        raise NoWeights(f"{folder}: no trained {what}; train it with `{training_command(what, folder)}`")
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         config, facts, version = data["config"], data["facts"], data["version"]

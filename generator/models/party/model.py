@@ -86,12 +86,12 @@ class Party:
             if one.facts.get("generator") != folder.name:
                 raise NoWeights(
                     f"{folder / name}: holds weights of another generator than {folder.name}; "
-                    f"train it with `{training_command(folder / name)}`"
+                    f"train it with `{training_command(name, folder / name)}`"
                 )
         if saved["transformer"].facts.get("tokenizer") != saved["tokenizer"].digest:
             raise NoWeights(
                 f"{folder / 'transformer'}: was trained with another tokenizer than the one in {folder}; "
-                f"train it again with `{training_command(folder / 'transformer')}`"
+                f"train it again with `{training_command('transformer', folder / 'transformer')}`"
             )
         config = saved["tokenizer"].config_as(TokenizerConfig)
         tokenizer = PartyTokenizer(config)
