@@ -13,13 +13,16 @@ from generator.cli import Generate, Train
 from generator.datasets.authored import AuthoredCorpus
 from generator.evaluation.cli import Evaluate
 from generator.model import Known, Sampling, TextCondition
-from generator.models.party.config import TokenizerConfig, TransformerConfig
+from generator.models.party.config import PartySampling, TokenizerConfig, TransformerConfig
+from generator.models.party.generation import Generation
 from generator.models.party.model import Party
 from generator.models.party.network import PartyNetwork
 from generator.models.party.objectives.corpus import TokenBatches, TokenCorpus
 from generator.models.party.objectives.part_texts import part_texts
+from generator.models.party.objectives.transformer import from_job
 from generator.models.party.tokenizer import PartyTokenizer
 from generator.registry import WEIGHTS_FOLDER, generator
+from generator.training.loop import Run, train
 from ros_free_stack.errors import InvalidOption, NoWeights
 from ros_free_stack.files import load_motion
 from tests.generator.tiny_dataset import write_tiny_dataset
@@ -189,6 +192,28 @@ def test_token_batches_follow_from_the_seed_and_hold_each_clip_to_its_length(dat
     sentence = TokenBatches(corpus, batch=8, conditioning="sentence", seed=3).training(5)
     assert sentence.condition.texts.shape[1] == 1
     assert torch.equal(sentence.condition.texts[:, 0], one.condition.texts[:, 0])
+
+
+def test_network_learns_its_clips_and_generates_them_from_their_texts(data: Path, tmp_path: Path) -> None:
+    dataset = AuthoredCorpus.open(data)
+    tiny_party_job("tokenizer", dataset, tmp_path, "tokenizer.training.ema=0.0", iterations=30).run()
+    faster = ("learning_rate=0.005", "ema=0.0", "batch=16")
+    job = tiny_party_job(
+        "transformer", dataset, tmp_path, *(f"transformer.training.{change}" for change in faster), iterations=70
+    )  # fmt: skip
+    objective = from_job(job)
+    train(objective, job.training, tmp_path / "party" / "transformer", Run(70))
+    corpus = TokenCorpus.build(dataset, tmp_path / "party" / "tokenizer", "cpu")
+    batch = TokenBatches(corpus, batch=8, conditioning="layout", seed=0).collate(corpus.train, [0] * len(corpus.train))
+    with torch.inference_mode():
+        generation = Generation(objective.model.eval(), batch.condition, PartySampling(top_k=0.01), noise())
+        found, _ = generation.run()
+    counts = batch.condition.counts(8)
+    inside = torch.arange(found["whole"].shape[1]) < counts[:, None]
+    alike = (found["whole"] == batch.tokens["whole"])[inside].float().mean()
+    commonest = batch.tokens["whole"][inside].mode(0).values
+    guessed = (batch.tokens["whole"][inside] == commonest).float().mean()
+    assert alike > 0.75 and alike > guessed + 0.3, (alike, guessed)
 
 
 def test_party_samples_are_as_long_as_their_segments(model: Party) -> None:
