@@ -27,15 +27,16 @@ class Train(Command):
 
     stage: Annotated[str, tyro.conf.Positional]
     """Which model of the preset: tokenizer, or mask, residual and grounding, which need it (`segmo-layout` has no
-    residual, `momask` no grounding); durations or evaluator, which serve all generators. `domain` lists the known
-    texts. `all` does all."""
+    residual, `momask` no grounding; `party` has a transformer in their place); durations or evaluator, which serve all
+    generators. `domain` lists the known texts. `all` does all."""
     dataset: Path
     """Folder of the motion data set (made by `data build`)."""
     out: Path
     """Folder for the weights; each generator gets a folder in it, and each model one in that."""
     preset: str = DEFAULT_PRESET
     """How the models are built and trained: `segmo-layout` is what comes with the program, `segmo-published` SegMo as
-    published, `momask` its baseline."""
+    published, `momask` its baseline, `party-small` and `party` (as published) ParTY, `part-wise` its
+    baseline."""
     size: Size = "small"
     """`small` trains on two processor cores, `published` has the published sizes and wants a GPU."""
     set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
@@ -109,7 +110,8 @@ class Generate(MotionOptions):
     candidates: int = 1
     """How many motions to make."""
     generator: str = DEFAULT
-    """Which generator makes the motion: `segmo` comes with the program, `momask` where it was trained."""
+    """Which generator makes the motion: `segmo` comes with the program, `momask` and `party` where they were
+    trained."""
     weights: Path | None = None
     """Folder of trained models; the ones that come with the program where not given."""
     anyway: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

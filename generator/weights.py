@@ -12,6 +12,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor, float16, nn
 
 from generator.config import from_json, to_json
+from generator.registry import training_command
 from ros_free_stack.errors import InvalidFile, NoWeights
 from ros_free_stack.files import atomic_path, write_json
 
@@ -73,10 +74,7 @@ def load(folder: Path, what: str) -> Weights:
     """
     path = folder / WEIGHTS
     if not path.is_file() or not (folder / CONFIG).is_file():
-        raise NoWeights(
-            f"{folder}: no trained {what}; train it with "
-            f"`python launch.py train {what} --dataset DATASET --out {folder.parent.parent}`"
-        )
+        raise NoWeights(f"{folder}: no trained {what}; train it with `{training_command(what, folder)}`")
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         config, facts, version = data["config"], data["facts"], data["version"]

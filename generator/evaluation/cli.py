@@ -26,14 +26,15 @@ class Evaluate(Command):
     weights: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Folder of trained models; name several to compare them. The ones that come with the program where not given."""
     generator: str = DEFAULT
-    """Which of the generators in there: `segmo` or `momask`."""
+    """Which of the generators in there: `segmo`, `momask` or `party`."""
     dataset: Path | None = None
     """Folder of the motion data set (made by `data build`)."""
     official: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder with HumanML3D, GloVe and T2M's networks as published: the papers' own numbers, in place of a data set
     and an evaluator of this project."""
     evaluator: Path | None = None
-    """Folder of a trained evaluator; the one that comes with the program where not given."""
+    """Folder of a trained evaluator, perhaps of arms or legs alone; the one that comes with the program where not
+    given."""
     split: Literal["train", "val", "test"] = "test"
     """Which clips."""
     clips: int | None = None

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from generator import weights
+from generator.bodies import WHOLE
 from generator.evaluation.metrics import Floats
 from generator.evaluation.pairs import Features, Pair
 from generator.nn.evaluator import EvaluatorConfig, MotionTextEvaluator
@@ -46,7 +47,8 @@ class CorpusEmbedder:
         saved = weights.load(folder, "evaluator")
         model = MotionTextEvaluator(saved.config_as(EvaluatorConfig))
         saved.fill(model)
-        return cls(model.to(device).eval().requires_grad_(False), f"evaluator {saved.digest[:8]}")
+        whose = "" if model.config.body == WHOLE else f" of {model.config.body}"
+        return cls(model.to(device).eval().requires_grad_(False), f"evaluator{whose} {saved.digest[:8]}")
 
     def motions(self, features: Sequence[Features]) -> Floats:
         return in_batches(features, lambda rows: self._model.motion_embeddings([torch.from_numpy(row) for row in rows]))

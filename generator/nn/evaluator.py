@@ -13,6 +13,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 from torch.nn.utils.rnn import pad_sequence
 
+from generator.bodies import WHOLE, channels
 from generator.config import FEATURES, MAX_FRAMES, TEXT_WIDTH
 from generator.nn.layers import Transformer
 
@@ -33,6 +34,7 @@ class EvaluatorConfig:
         words: longest text that is read, in word pieces.
         dropout: of what the transformers read.
         features: width of the features.
+        body: whose features are looked at, the "whole" body's or those of a part (ParTY, appendix B).
     """
 
     width: int
@@ -42,6 +44,7 @@ class EvaluatorConfig:
     words: int = 80
     dropout: float = 0.1
     features: int = FEATURES
+    body: str = WHOLE
 
 
 class MotionTextEvaluator(nn.Module):
@@ -60,7 +63,8 @@ class MotionTextEvaluator(nn.Module):
         self.config = config
         self.register_buffer("mean", torch.zeros(config.features) if mean is None else mean.float())
         self.register_buffer("std", torch.ones(config.features) if std is None else std.float().clamp_min(MIN_STD))
-        self.motion = SequenceEncoder((config.features - CONTACTS) * STRIDE, MAX_FRAMES // STRIDE, config)
+        self.channels = [i for i in channels(config.body, config.features) if i < config.features - CONTACTS]
+        self.motion = SequenceEncoder(len(self.channels) * STRIDE, MAX_FRAMES // STRIDE, config)
         self.text = SequenceEncoder(TEXT_WIDTH, config.words, config)
 
     def motion_embeddings(self, features: Sequence[Tensor]) -> Tensor:
@@ -71,7 +75,7 @@ class MotionTextEvaluator(nn.Module):
         lengths = torch.tensor([len(rows) // STRIDE for rows in features])
         used = [rows[: n * STRIDE] for rows, n in zip(features, lengths.tolist(), strict=True)]
         padded = (pad_sequence(used, batch_first=True).to(self.mean.device) - self.mean) / self.std
-        return self.motion(padded[..., :-CONTACTS].unflatten(1, (-1, STRIDE)).flatten(2), lengths)
+        return self.motion(padded[..., self.channels].unflatten(1, (-1, STRIDE)).flatten(2), lengths)
 
     def text_embeddings(self, words: Sequence[Tensor]) -> Tensor:
         """Texts, each (n, 384) vectors of its words (`WordVectors`), to (B, E)."""

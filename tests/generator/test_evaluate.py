@@ -162,7 +162,11 @@ def test_an_embedding_does_not_depend_on_the_order(data: Path, folder: Path) -> 
         ({"rows": "real,fake"}, UnknownName, "unknown row 'fake'; valid: first, real, reconstruction, resampled"),
         ({"dataset": None}, InvalidOption, "give one of them"),
         ({"multimodality": 999}, InvalidOption, "there are 36 texts, found 999"),
-        ({"evaluator": Path("nowhere")}, NoWeights, "no trained evaluator; train it with"),
+        (
+            {"evaluator": Path("nowhere")},
+            NoWeights,
+            "no trained evaluator; train it with `python launch.py train evaluator --dataset",
+        ),
     ],
 )
 def test_what_is_wrong_is_named(

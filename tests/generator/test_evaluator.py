@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from generator import weights
+from generator.bodies import channels
 from generator.config import Training
 from generator.corpus.mirror import mirror_joints
 from generator.corpus.mirrored_features import mirror_features
@@ -41,6 +42,19 @@ def test_a_motions_embedding_does_not_depend_on_its_batch(model: MotionTextEvalu
     assert together.shape == (3, 16)
     for row, motion in zip(together, motions, strict=True):
         assert torch.allclose(model.motion_embeddings([motion])[0], row, atol=1e-5)
+
+
+@pytest.mark.parametrize("body", ["arms", "legs"])
+def test_an_evaluator_of_a_part_looks_at_nothing_else(body: str) -> None:
+    torch.manual_seed(0)
+    model = MotionTextEvaluator(replace(TINY, body=body)).eval()
+    motion, own = torch.randn(40, 263), list(channels(body))
+    rest = [i for i in range(263) if i not in own]
+    other, moved = motion.clone(), motion.clone()
+    other[:, rest] += 3.0
+    moved[:, own] += 3.0
+    assert torch.equal(model.motion_embeddings([motion]), model.motion_embeddings([other]))
+    assert not torch.allclose(model.motion_embeddings([motion]), model.motion_embeddings([moved]))
 
 
 def test_foot_contacts_and_the_rest_of_a_token_are_not_looked_at(model: MotionTextEvaluator) -> None:

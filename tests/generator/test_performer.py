@@ -141,7 +141,7 @@ def test_missing_and_foreign_weights_are_named(folder: Path, tmp_path: Path) -> 
     weights.save(copy / "segmo" / "mask", mask.config, mask, {"tokenizer": "another"})
     with pytest.raises(NoWeights, match="trained with another tokenizer"):
         Performer.load(copy)
-    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, segmo"):
+    with pytest.raises(UnknownName, match="unknown generator 'mdm'; valid: momask, part-wise, party, segmo"):
         Performer.load(folder, generator="mdm")
 
 

@@ -8,7 +8,11 @@ import torch
 
 from generator.config import FEATURES, checked
 from generator.models.segmo.config import TokenizerConfig
-from generator.models.segmo.objectives.reconstruction import (
+from generator.models.segmo.parts import part_channels, part_count
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.nn.quantizer import ResidualQuantizer
+from generator.registry import find_preset
+from generator.training.reconstruction import (
     BONE_WEIGHT,
     ROOT,
     YAW,
@@ -16,10 +20,6 @@ from generator.models.segmo.objectives.reconstruction import (
     foot_steps,
     reconstruction_losses,
 )
-from generator.models.segmo.parts import part_channels, part_count
-from generator.models.segmo.tokenizer import MotionTokenizer
-from generator.nn.quantizer import ResidualQuantizer
-from generator.registry import find_preset
 from ros_free_stack.formats.features import CHANNELS, HUMANML3D, decode
 
 SMALL = TokenizerConfig(

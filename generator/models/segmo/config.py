@@ -89,7 +89,7 @@ class TokenizerLosses:
 
     Attributes:
         losses: "published" is MoMask's: smooth L1 of all features, half as much again of the joint positions, and the
-            commitment; "weighted" see `generator.models.segmo.objectives.reconstruction`.
+            commitment; "weighted" see `generator.training.reconstruction`.
         window: frames of a training window.
     """
 

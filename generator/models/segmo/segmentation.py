@@ -12,7 +12,7 @@ import numpy as np
 
 from generator.datasets.layout import layout_of
 from generator.models.segmo.config import TOKEN_FRAMES
-from generator.models.segmo.objectives.reconstruction import positions
+from generator.training.reconstruction import positions
 
 CLUSTER_STEPS = 10
 MIN_CHANGE_TOKENS = 2

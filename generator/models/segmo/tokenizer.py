@@ -10,10 +10,10 @@ from typing import cast
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 
 from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig
 from generator.models.segmo.parts import part_channels
+from generator.nn.convolution import ResidualBlock
 from generator.nn.quantizer import Quantized, ResidualQuantizer
 
 MIN_STD = 1e-3  # features that hardly vary are not blown up
@@ -108,18 +108,6 @@ class MotionTokenizer(nn.Module):
     def _decode(self, parts: Sequence[Tensor]) -> Tensor:
         latent = torch.cat(list(parts), dim=-1).transpose(1, 2)
         return self.decoder(latent).transpose(1, 2).float()
-
-
-class ResidualBlock(nn.Module):
-    """x + conv1(relu(dilated conv3(relu(x)))) on (B, C, T)."""
-
-    def __init__(self, width: int, dilation: int) -> None:
-        super().__init__()
-        self.wide = nn.Conv1d(width, width, 3, padding=dilation, dilation=dilation)
-        self.point = nn.Conv1d(width, width, 1)
-
-    def forward(self, inputs: Tensor) -> Tensor:
-        return inputs + self.point(functional.relu(self.wide(functional.relu(inputs))))
 
 
 def _blocks(config: TokenizerConfig, width: int) -> list[nn.Module]:

@@ -11,13 +11,13 @@ from torch import Tensor, nn
 from generator.config import Training
 from generator.datasets.dataset import Clip, MotionDataset
 from generator.models.segmo.config import TOKEN_FRAMES, TokenizerConfig, TokenizerLosses
-from generator.models.segmo.objectives.reconstruction import (
+from generator.models.segmo.tokenizer import MotionTokenizer
+from generator.training.reconstruction import (
     COMMITMENT_WEIGHT,
     joint_error,
     published_losses,
     reconstruction_losses,
 )
-from generator.models.segmo.tokenizer import MotionTokenizer
 from generator.training.stages import StageJob
 from ros_free_stack.errors import InvalidOption
 from ros_free_stack.formats.features import CHANNELS

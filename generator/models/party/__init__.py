@@ -1,0 +1,1 @@
+"""ParTY (Heo et al., CVPR 2026): part tokens are generated first and guide the tokens of the whole body."""

@@ -1,0 +1,1 @@
+"""What ParTY's stages are trained for."""
