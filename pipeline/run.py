@@ -90,8 +90,7 @@ class Run(MotionOptions):
     """Name of the language model; RFS_LLM_KEY holds the key, if it needs one."""
 
     def run(self) -> int:
-        asks = self.prompt is None and self.prompts is None and sys.stdin.isatty()
-        prompts: tuple[str, ...] = () if asks else self._prompts()
+        prompts = self._prompts()
         robot = self._checked()
         from pipeline.pipeline import Pipeline
 
@@ -103,7 +102,7 @@ class Run(MotionOptions):
             controller=self._controller(),
             generator=self.generator,
         )
-        if asks:
+        if not prompts:
             from pipeline.asking import ask
 
             return ask(self.out, lambda prompt, out: self._run_one(pipeline, prompt, out))
@@ -114,9 +113,14 @@ class Run(MotionOptions):
         return ran.code
 
     def _prompts(self) -> tuple[str, ...]:
-        """The sentences, checked before anything that loads slowly; those of a file are checked one by one later."""
+        """The sentences, checked before anything that loads slowly; none where a terminal is asked for them.
+
+        Those of a file are checked one by one later.
+        """
         from generator.text.prompt import check_prompt
 
+        if self.prompt is None and self.prompts is None and sys.stdin.isatty():
+            return ()
         if (self.prompt is None) == (self.prompts is None):
             raise InvalidPrompt(
                 'say what the robot should do, for example run "wave with the right hand", or --prompts'
