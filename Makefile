@@ -13,8 +13,8 @@ OUT ?= out/demo
 TORCH ?= cpu
 TORCH_PIN := $(shell sed -n 's/^ *"\(torch==[^"]*\)".*/\1/p' pyproject.toml)
 TORCH_INDEX := https://download.pytorch.org/whl/$(TORCH)
-# What pip says while it works: each package as it comes, and a bar for the large ones where there is a terminal.
-PIP := $(BIN)/python -m pip install --disable-pip-version-check --progress-bar auto
+# What pip says goes into a log, from which progress is told.
+PIP := $(BIN)/python -m pip install --disable-pip-version-check
 
 .PHONY: demo test check clean setup
 .DEFAULT_GOAL := demo
@@ -46,13 +46,13 @@ ifeq ($(TORCH),cpu)
 	@$(PIP) --quiet --timeout 5 --retries 0 --index-url $(TORCH_INDEX) $(TORCH_PIN) 2>/dev/null \
 		|| echo "PyTorch's index of CPU builds does not answer: taking what pip is configured for"
 endif
-	@echo "2 of 2: everything else (a few minutes; the environment ends at about 1.6 GB with the CPU build)"
+	@echo "2 of 2: everything else (a few minutes; the environment ends at about 2.6 GB with the CPU build)"
 	@$(PIP) --editable '.[dev]' > $(VENV)/install.log 2>&1 & pid=$$!; \
 		while kill -0 $$pid 2>/dev/null; do sleep 2; \
 			grep -oE '^Collecting [^ ;(]+' $(VENV)/install.log | sed 's/^Collecting /  /' > $(VENV)/now 2>/dev/null || true; \
 			printf '\r\033[K  %s packages, %s' "$$(wc -l < $(VENV)/now)" "$$(du -sh $(VENV) | cut -f1)"; \
 		done; printf '\n'; wait $$pid || { \
-		if grep -qE 'Temporary failure|NameResolution|Connection|timed out|No matching distribution' $(VENV)/install.log; then \
+		if grep -qE 'Temporary failure|NameResolution|NewConnectionError|Connection|Could not find a version|timed out|No matching distribution' $(VENV)/install.log; then \
 			echo "error: the package index does not answer: connect this machine, or set PIP_INDEX_URL (log: $(VENV)/install.log)" >&2; \
 		else echo "error: installing failed: $$(grep -m1 -i '^error' $(VENV)/install.log) (log: $(VENV)/install.log)" >&2; fi; exit 1; }
 	@touch $(STAMP)
