@@ -13,7 +13,6 @@ from time import perf_counter
 
 import tyro
 
-import launch
 from pipeline.pipeline import Pipeline
 from pipeline.timings import Timings
 from ros_free_stack.robots import load_robot
@@ -35,7 +34,7 @@ def cold(robot: str) -> dict[str, float]:
     """Seconds of each stage of a fresh process, and of the whole process as "process"."""
     options = ("--robot", robot, "--candidates", "1", "--no-video", "--json")
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, launch.__file__, "run", COLD, *options, "--out", str(Path(folder) / "run")]
+        command = [sys.executable, "-m", "ros_free_stack", "run", COLD, *options, "--out", str(Path(folder) / "run")]
         start = perf_counter()
         finished = subprocess.run(command, stdout=subprocess.PIPE, check=False)
         elapsed = perf_counter() - start

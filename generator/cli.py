@@ -10,6 +10,7 @@ from generator.options import MotionOptions
 from generator.registry import DEFAULT, DEFAULT_PRESET, SHARED, WEIGHTS_FOLDER, find_preset, stages
 from generator.settings import Size
 from ros_free_stack.console import Command, say
+from ros_free_stack.errors import InvalidOption
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from ros_free_stack.messages import HumanMotion
 
 DOMAIN_STAGE: Final = "domain"
+MAX_CANDIDATES: Final = 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,12 +101,17 @@ class Train(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class Generate(MotionOptions):
-    """Generate human motion from a sentence."""
+    """Generate human motion from a sentence.
+
+    Examples:
+        python launch.py generate "a person waves, then bows" --out wave.npz
+        python launch.py generate "walks forward" --candidates 4 --seed 1 --out walk.npz
+    """
 
     prompt: Annotated[str, tyro.conf.Positional]
     """What the person does, in English, e.g. "a person waves, then bows"."""
     out: Path = Path("human_motion.npz")
-    """File to write; further candidates get a number in their name."""
+    """File to write (.npz); further candidates get a number in their name."""
     seed: int = 0
     """Same seed, same motion."""
     candidates: int = 1
@@ -123,8 +130,12 @@ class Generate(MotionOptions):
 
     def run(self) -> int:
         from generator.text.prompt import check_prompt
+        from ros_free_stack.files import check_output
 
         self.check_options()
+        check_output(self.out, ".npz")
+        if not 1 <= self.candidates <= MAX_CANDIDATES:
+            raise InvalidOption("--candidates", f"expected 1 to {MAX_CANDIDATES}, found {self.candidates}")
         for prompt in (self.prompt, *self.then):
             check_prompt(prompt)  # before anything that loads slowly
         from generator.performer import Performer

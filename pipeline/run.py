@@ -1,6 +1,5 @@
 """The `run` subcommand: a sentence, or a file of them, to run folders, and on request to servos."""
 
-import re
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -11,23 +10,22 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from generator.options import MotionOptions, Sentence
-from pipeline.candidate import Candidate
-from pipeline.pipeline import Pipeline
-from pipeline.run_folder import RunFolder
-from pipeline.run_words import EXIT_CODES, NOT_AS_ASKED, closing_words, outcome, searched_words, verdict_words
+from pipeline.run_words import EXIT_CODES, NOT_AS_ASKED, closing_words, outcome, searched_words, slug, verdict_words
 from pipeline.timings import Timings
 from ros_free_stack.console import print_table, say
 from ros_free_stack.errors import HardwareFault, InvalidOption, InvalidPrompt, StackError
-from ros_free_stack.files import read_lines
-from ros_free_stack.messages import ControllerName
-from ros_free_stack.robots import RobotDescription, load_robot
+from ros_free_stack.robots import load_robot
 
 if TYPE_CHECKING:
     from generator.amounts import Wanted
     from generator.text.understanding import Understood
+    from pipeline.candidate import Candidate
+    from pipeline.pipeline import Pipeline
+    from pipeline.run_folder import RunFolder
+    from ros_free_stack.messages import ControllerName
+    from ros_free_stack.robots import RobotDescription
 
 MAX_CANDIDATES = 64
-LONGEST_NAME = 40
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Run(MotionOptions):
     """
 
     prompt: Annotated[str | None, tyro.conf.Positional] = None
-    """What the robot should do, in English."""
+    """What the robot should do, in English; without it, a terminal is asked, again and again."""
     prompts: Path | None = None
     """A file of prompts instead, one a line: each gets a folder in the run folder, and there is a table at the end."""
     robot: str = "op3"
@@ -96,6 +94,8 @@ class Run(MotionOptions):
     def run(self) -> int:
         prompts = self._prompts()
         robot = self._checked()
+        from pipeline.pipeline import Pipeline
+
         pipeline = Pipeline(
             robot,
             llm=self.llm,
@@ -105,6 +105,10 @@ class Run(MotionOptions):
             generator=self.generator,
         )
         pipeline.prepare()
+        if not prompts:
+            from pipeline.asking import ask
+
+            return ask(self.out, lambda prompt, out: self._run_one(pipeline, prompt, out))
         if self.prompts is not None:
             return self._run_all(pipeline, prompts)
         ran = self._run_one(pipeline, prompts[0], self.out)
@@ -112,9 +116,14 @@ class Run(MotionOptions):
         return ran.code
 
     def _prompts(self) -> tuple[str, ...]:
-        """The sentences, checked before anything that loads slowly; those of a file are checked one by one later."""
+        """The sentences, checked before anything that loads slowly; none where a terminal is asked for them.
+
+        Those of a file are checked one by one later.
+        """
         from generator.text.prompt import check_prompt
 
+        if self.prompt is None and self.prompts is None and sys.stdin.isatty():
+            return ()
         if (self.prompt is None) == (self.prompts is None):
             raise InvalidPrompt(
                 'say what the robot should do, for example run "wave with the right hand", or --prompts'
@@ -126,12 +135,14 @@ class Run(MotionOptions):
         if self.edit is not None or self.start is not None or self.then:
             raise InvalidOption("--prompts", "cannot be combined with --start, --edit or --then")
         assert self.prompts is not None
+        from ros_free_stack.files import read_lines
+
         lines = tuple(line.strip() for line in read_lines(self.prompts) if line.strip())
         if not lines:
             raise InvalidOption("--prompts", f"{self.prompts} has no line with a sentence")
         return lines
 
-    def _checked(self) -> RobotDescription:
+    def _checked(self) -> "RobotDescription":
         """The robot, after a look at all other options and at the servos' port."""
         from ros_free_stack.files import check_folder
 
@@ -148,7 +159,8 @@ class Run(MotionOptions):
             raise InvalidOption("--servo", "is missing: --dry-run, --joints and --calibration are about servos")
         return robot
 
-    def _run_one(self, pipeline: Pipeline, prompt: str, out: Path) -> Ran:
+    def _run_one(self, pipeline: "Pipeline", prompt: str, out: Path) -> Ran:
+        from pipeline.run_folder import RunFolder
         from ros_free_stack.files import make_folder
 
         started, timings = perf_counter(), Timings()
@@ -208,7 +220,7 @@ class Run(MotionOptions):
         return Ran(result, tuple(closing_words(str(out), servo, dry_run=self.dry_run)), EXIT_CODES[word])
 
     def _amounts(
-        self, pipeline: Pipeline, sentences: list[Sentence], understood: "Sequence[Understood]"
+        self, pipeline: "Pipeline", sentences: "list[Sentence]", understood: "Sequence[Understood]"
     ) -> "tuple[list[Sentence], tuple[float | None, ...] | None, tuple[Wanted, ...]]":
         """The sentences, durations of their segments and amounts, planned by what the robot makes of a first sample."""
         from generator.amounts import wanted_of
@@ -226,13 +238,13 @@ class Run(MotionOptions):
         plan = pipeline.plan(prompt, segments, wanted, seed=self.seed)
         return [(prompt, plan.segments)], plan.seconds, plan.wanted
 
-    def _run_all(self, pipeline: Pipeline, prompts: Sequence[str]) -> int:
+    def _run_all(self, pipeline: "Pipeline", prompts: Sequence[str]) -> int:
         """One folder a prompt; a line that fails is told, and the next one is tried. A servo fault ends it all."""
         rows: list[tuple[str, ...]] = []
         results: list[dict[str, Any]] = []
         codes: list[int] = []
         for number, prompt in enumerate(prompts, start=1):
-            out = self.out / f"{number:0{len(str(len(prompts)))}d}-{_slug(prompt)}"
+            out = self.out / f"{number:0{len(str(len(prompts)))}d}-{slug(prompt)}"
             say(f"{number} of {len(prompts)}: {prompt}")
             try:
                 ran = self._run_one(pipeline, prompt, out)
@@ -250,7 +262,7 @@ class Run(MotionOptions):
             print_table(("prompt", "outcome", "folder"), rows)
         return next((code for code in codes if code), 0)
 
-    def _controller(self) -> ControllerName | None:
+    def _controller(self) -> "ControllerName | None":
         """What will move the robot: the servo driver's own controller where there are servos."""
         if self.servo is None:
             return None
@@ -258,7 +270,7 @@ class Run(MotionOptions):
 
         return DRIVEN
 
-    def _say_why_not(self, best: Candidate, pipeline: Pipeline) -> None:
+    def _say_why_not(self, best: "Candidate", pipeline: "Pipeline") -> None:
         """Why nothing is streamed, and what would do where it is balance alone that fails."""
         from sim.judge.repair import BALANCE_CHECKS
 
@@ -272,7 +284,7 @@ class Run(MotionOptions):
             say(f"only feedback keeps {robot} up: hang it up and use --mount fixed, or leave --servo out")
 
     def _stream(
-        self, best: Candidate, pipeline: Pipeline, folder: RunFolder, timings: Timings
+        self, best: "Candidate", pipeline: "Pipeline", folder: "RunFolder", timings: Timings
     ) -> dict[str, Any] | None:
         if self.servo is None:
             return None
@@ -305,8 +317,3 @@ class Run(MotionOptions):
         """What is known now, before report and video: on stderr with --json, whose object comes last."""
         for line in lines:
             print(line, file=sys.stderr if self.json else sys.stdout, flush=True)
-
-
-def _slug(prompt: str) -> str:
-    """A prompt as part of a folder's name."""
-    return re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:LONGEST_NAME].rstrip("-") or "prompt"

@@ -39,18 +39,18 @@ class Retarget(ReadsMotion):
 
     def run(self) -> int:
         """Retarget, write both files, and say what could not be followed."""
-        from retarget.pipeline import retarget
-        from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import make_folder, save_trajectory, save_trajectory_csv
+        from ros_free_stack.files import check_input, check_output, make_folder, save_trajectory, save_trajectory_csv
         from ros_free_stack.formats.registry import load_human
         from ros_free_stack.robots import load_robot
 
-        if self.out.suffix != ".npz":
-            raise InvalidOption("--out", f"expected a name that ends in .npz, found {str(self.out)!r}")
+        check_output(self.out, ".npz")
         robot = load_robot(self.robot)
+        check_input(self.motion)
         motion, notes = load_human(self.motion, self.source_options(), self.format)
         for note in notes:
             say(note)
+        from retarget.pipeline import retarget  # slow: after all that may refuse
+
         make_folder(self.out.parent)
         result = retarget(
             motion,

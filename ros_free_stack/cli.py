@@ -139,9 +139,6 @@ class Doctor(Command):
     """
 
     def run(self) -> int:
-        from ros_free_stack.doctor import examine
+        from ros_free_stack.doctor import print_findings
 
-        findings = examine()
-        lines = (f"{'ok  ' if f.ok else 'none'}  {f.name:12s} {f.detail}" for f in findings)
-        self.report({f.name: {"ok": f.ok, "detail": f.detail} for f in findings}, *lines)
-        return 0 if all(finding.ok or finding.optional for finding in findings) else 2
+        return print_findings(as_json=self.json)

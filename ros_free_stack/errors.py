@@ -22,12 +22,17 @@ class InvalidMessage(StackError):
         self.field = field
 
 
+class UsageError(StackError):
+    """A command line that cannot be read: an unknown command or option, a missing or impossible value."""
+
+
 class UnknownName(StackError):
-    """A name is not among the known ones; the message lists them."""
+    """A name is not among the known ones; the message lists them, the likeliest first."""
 
     def __init__(self, kind: str, name: str, choices: Iterable[str]) -> None:
         self.choices = tuple(sorted(choices))
-        super().__init__(f"unknown {kind} {name!r}; valid: {', '.join(self.choices) or '(none)'}")
+        guess = did_you_mean(name, self.choices)
+        super().__init__(f"unknown {kind} {name!r}{guess}; valid: {', '.join(self.choices) or '(none)'}")
 
 
 class InvalidFile(StackError):
@@ -136,3 +141,12 @@ class ServoFault(HardwareFault):
 
 class DeadlineFault(HardwareFault):
     """The computer is too slow or too busy to keep the servo cycle."""
+
+
+def did_you_mean(name: str, choices: Iterable[str]) -> str:
+    """`; did you mean ...?` where one of the choices is much like the name, else nothing."""
+    from difflib import get_close_matches
+
+    by_lower = {choice.lower(): choice for choice in choices}
+    found = get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
+    return f"; did you mean {by_lower[found[0]]}?" if found else ""

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ros_free_stack.errors import InvalidFile, InvalidMessage
+from ros_free_stack.errors import InvalidFile, InvalidMessage, InvalidOption
 from ros_free_stack.messages import Check, HumanMotion, RobotTrajectory, Segment, ServoTelemetry, Verdict
 
 FORMAT_VERSION = 1
@@ -58,12 +58,15 @@ def atomic_path(path: Path) -> Generator[Path]:
 
 
 def check_folder(path: Path) -> None:
-    """Raise InvalidFile where `make_folder` would, and make nothing: for before work that takes long or says much."""
+    """Raise InvalidFile where `make_folder` would, and leave nothing behind: for before long work."""
     there = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
     if not there.is_dir():
         raise InvalidFile(path, f"is not a writable folder: {there} is a file")
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise InvalidFile(path, f"is not a writable folder: {there} cannot be written")
+    try:
+        with tempfile.TemporaryDirectory(dir=there):  # the rights alone do not tell: /proc, read-only disks
+            pass
+    except OSError as error:
+        raise InvalidFile(path, f"is not a writable folder: {there} cannot be written ({error.strerror})") from None
 
 
 def make_folder(path: Path) -> Path:
@@ -75,6 +78,21 @@ def make_folder(path: Path) -> Path:
     except OSError as error:
         raise InvalidFile(path, f"is not a writable folder: {error.strerror}") from None
     return path
+
+
+def check_output(path: Path, suffix: str, option: str = "--out") -> None:
+    """Raise where no file of this name can be written: InvalidOption for its suffix, InvalidFile for its folder."""
+    if path.suffix.lower() != suffix:
+        raise InvalidOption(option, f"expected a name that ends in {suffix}, found {str(path)!r}")
+    if path.is_dir():
+        raise InvalidFile(path, "is a folder, expected a file")
+    check_folder(path.parent)
+
+
+def check_input(path: Path) -> None:
+    """Raise InvalidFile where there is no such file: for before a reader is imported."""
+    if not path.is_file():
+        raise InvalidFile(path, "is a folder, expected a file" if path.is_dir() else "no such file")
 
 
 def read_lines(path: Path) -> tuple[str, ...]:

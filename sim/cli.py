@@ -48,9 +48,15 @@ class Validate(Command):
         from time import perf_counter
 
         from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import load_motion, load_telemetry, load_trajectory, make_folder, save_verdict
+        from ros_free_stack.files import (
+            check_folder,
+            load_motion,
+            load_telemetry,
+            load_trajectory,
+            make_folder,
+            save_verdict,
+        )
         from ros_free_stack.robots import load_robot
-        from sim.draw.report import write_report
 
         if self.out is not None and not self.physics:
             raise InvalidOption(
@@ -62,6 +68,12 @@ class Validate(Command):
         robot = load_robot(trajectory.robot)
         motion = None if self.motion is None else load_motion(self.motion)
         telemetry = None if self.telemetry is None else load_telemetry(self.telemetry)
+        if self.out is not None:
+            check_folder(self.out)
+        from sim.draw.report import write_report  # slow: after all that may refuse
+        from sim.reference import check_belongs
+
+        check_belongs(trajectory, robot)
         if self.out is not None:
             make_folder(self.out)
         started = perf_counter()
@@ -125,16 +137,15 @@ class Render(Command):
 
     def run(self) -> int:
         """Draw the planned motion."""
-        from ros_free_stack.errors import InvalidOption
-        from ros_free_stack.files import load_motion, load_trajectory, make_folder
+        from ros_free_stack.files import check_output, load_motion, load_trajectory, make_folder
         from ros_free_stack.robots import load_robot
-        from sim.draw.render import render_video
-        from sim.reference import check_belongs
 
-        if self.out.suffix != ".mp4":
-            raise InvalidOption("--out", f"expected a name that ends in .mp4, found {str(self.out)!r}")
+        check_output(self.out, ".mp4")
         trajectory = load_trajectory(self.trajectory)
         robot = load_robot(trajectory.robot)
+        from sim.draw.render import render_video  # slow: after all that may refuse
+        from sim.reference import check_belongs
+
         check_belongs(trajectory, robot)
         make_folder(self.out.parent)
         motion = None if self.motion is None else load_motion(self.motion)

@@ -1,5 +1,7 @@
 """Every bad input ends in one line on stderr, the documented exit code, and no file."""
 
+import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 
 import launch
+from pipeline.commands import COMMANDS
 from ros_free_stack.files import save_trajectory
 from ros_free_stack.messages import RobotTrajectory
 from ros_free_stack.robots import load_robot
@@ -161,17 +164,109 @@ def test_retarget_needs_an_existing_motion(tmp_path: Path, capsys):
     assert not (tmp_path / "t.npz").exists()
 
 
-def test_unknown_command_lists_the_known(capsys):
-    code, _, error = run("fly", capsys=capsys)
+@pytest.mark.parametrize(
+    ("typed", "wanted"),
+    [
+        (("rnu", "waves"), "did you mean run?"),
+        (("fly",), "--help lists them all"),
+        (("robots", "lst"), "did you mean list?"),
+        (("wave with the hand",), "run 'wave with the hand'"),
+        (("run", "waves", "--robt", "op3"), "did you mean --robot?"),
+        (("run", "waves", "with", "a", "hand"), "quotation marks"),
+        (("run", "waves", "--mount", "fred"), "did you mean free?"),
+        (("run", "waves", "--candidates", "x"), "expected a whole number, found 'x'"),
+        (("run", "waves", "--candidates"), "needs a value"),
+        (("run", "waves", "--robot", "op4"), "did you mean op3?"),
+        (("run", "waves", "--out", "/proc/nowhere"), "writable"),
+        (("generate", "waves", "--out", "x.txt"), "ends in .npz"),
+        (("generate", "waves", "--candidates", "0"), "expected 1 to"),
+        (("validate",), "is missing"),
+        (("validate", "absent.npz"), "no such file"),
+        (("retarget", "absent.bvh"), "no such file"),
+        (("render", "absent.npz", "--out", "x.gif"), "ends in .mp4"),
+    ],
+)
+def test_a_likely_mistake_is_answered_with_what_to_do(typed: tuple[str, ...], wanted: str, capsys):
+    code, out, error = run(*typed, capsys=capsys)
+    assert code == 2
+    assert out == ""
+    assert_one_error_line(error)
+    assert wanted in error
+    code, out, _ = run(*typed, "--json", capsys=capsys)
+    found = json.loads(out)["error"]
+    assert found["exit_code"] == code == 2
+    assert wanted in found["message"] and found["type"]
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [("run", ""), ("run", "waves", "--robot", "op4"), ("generate", "waves", "--out", "x.txt"), ("validate", "x")],
+)
+def test_a_refusal_loads_nothing_slow(typed: tuple[str, ...]):
+    code = f"""
+import sys, launch
+launch.main({list(typed)!r})
+sys.exit(bool({{'torch', 'mujoco', 'casadi', 'spacy', 'matplotlib', 'scipy'}} & set(sys.modules)))
+"""
+    folder = Path(launch.__file__).parent
+    finished = subprocess.run([sys.executable, "-c", code], check=False, cwd=folder, capture_output=True)
+    assert finished.returncode == 0, finished.stderr.decode()
+
+
+def test_version_and_doctor_need_no_dependency(tmp_path: Path):
+    root = Path(launch.__file__).parent
+    bare = [sys.executable, "-S", "-E", str(root / "launch.py")]
+    version = subprocess.run([*bare, "--version"], capture_output=True, text=True, check=True).stdout
+    assert version.startswith("ros-free-stack ")
+    done = subprocess.run([*bare, "doctor", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 2
+    found = json.loads(done.stdout)
+    assert found["python"]["ok"] and not found["packages"]["ok"] and found["weights"]["ok"]
+
+
+def test_doctor_tells_a_compiler_that_fails(tmp_path: Path, monkeypatch, capsys):
+    broken = tmp_path / "broken-cc"
+    broken.write_text("#!/bin/sh\necho 'no space left' >&2; exit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    code, out, _ = run("doctor", "--json", capsys=capsys)
+    found = json.loads(out)
+    assert code == 0  # the stack works without one
+    assert not found["compiler"]["ok"] and "no space left" in found["compiler"]["detail"]
+    assert "torch" in found["packages"]["detail"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_knows_commands_options_and_robots(shell: str, capsys):
+    code, out, _ = run("completion", shell, capsys=capsys)
+    assert code == 0
+    assert "op3" in out and "calibrate" in out and "no-video" in out
+
+
+def test_bash_completes(tmp_path: Path, capsys):
+    _, script, _ = run("completion", "bash", capsys=capsys)
+    ask = 'COMP_WORDS=(rfs {}); COMP_CWORD={}; _rfs; echo "${{COMPREPLY[@]}}"'
+    for words, index, wanted in (("va", 1, "validate"), ("servos sc", 2, "scan"), ("run --robot op", 3, "op3")):
+        typed = f"{script}\n{ask.format(words, index)}"
+        done = subprocess.run(["bash", "-c", typed], capture_output=True, text=True, check=True, cwd=tmp_path)
+        assert done.stdout.split() == [wanted]
+
+
+def test_actions_are_listed_and_found(capsys):
+    code, out, _ = run("actions", "kick", "--json", capsys=capsys)
+    names = [row["name"] for row in json.loads(out)["actions"]]
+    assert code == 0
+    assert names and all(row["examples"] for row in json.loads(out)["actions"])
+    assert len(names) < 30
+    code, _, error = run("actions", "teleport", capsys=capsys)
     assert code == 2
     assert_one_error_line(error)
-    assert "run" in error and "stream" in error
 
 
 def test_help_names_every_command_and_imports_no_stage(capsys):
     code, out, _ = run("--help", capsys=capsys)
     assert code == 0
-    assert all(name in out for name in launch.COMMANDS)
+    assert all(name in out for name in COMMANDS)
 
 
 def test_debug_shows_the_traceback(capsys):
@@ -180,7 +275,7 @@ def test_debug_shows_the_traceback(capsys):
     assert "Traceback" in error
 
 
-@pytest.mark.parametrize("name", sorted(launch.COMMANDS))
+@pytest.mark.parametrize("name", sorted(COMMANDS))
 def test_every_command_has_help(name: str, capsys):
     with pytest.raises(SystemExit) as caught:
         launch.main([*name.split(), "--help"])
@@ -197,8 +292,6 @@ def test_a_group_lists_its_commands(asked: list[str], capsys):
 
 def test_help_is_quick_to_import():
     """The table of commands alone pulls in no model library."""
-    import subprocess
-
     code = "import sys, launch; launch.main(['--help']); sys.exit('torch' in sys.modules or 'mujoco' in sys.modules)"
     finished = subprocess.run(
         [sys.executable, "-c", code], check=False, cwd=Path(launch.__file__).parent, capture_output=True
