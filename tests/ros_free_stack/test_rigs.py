@@ -47,8 +47,9 @@ def tree_of(rig: str, prefix: str = "", renamed: dict[str, str] | None = None) -
 
 
 def test_a_walk_comes_back_from_every_variant() -> None:
-    counts, failures = run(Arguments(count=40, seed=7))
-    assert counts == {"right": 40}, failures
+    counts, failures = run(Arguments(count=50, seed=7))
+    assert not failures
+    assert counts["sound, right"] >= 40 and counts["faulty, asked"] >= 3
 
 
 @pytest.mark.parametrize("rig", RIGS)
