@@ -26,7 +26,7 @@ class Evaluate(Command):
     weights: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Folder of trained models; name several to compare them. The ones that come with the program where not given."""
     generator: str = DEFAULT
-    """Which of the generators in there: `segmo`, `momask` or `party`."""
+    """Which of the generators in there: `segmo`, `momask`, `party` or `part-wise`."""
     dataset: Path | None = None
     """Folder of the motion data set (made by `data build`)."""
     official: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None

@@ -7,14 +7,22 @@ import pytest
 import torch
 from torch import Tensor
 
+from generator.config import checked
 from generator.models.party.condition import Condition
-from generator.models.party.config import PartySampling, TokenizerConfig, TransformerConfig
+from generator.models.party.config import (
+    PartySampling,
+    TokenizerConfig,
+    TokenizerLosses,
+    TransformerConfig,
+    TransformerLosses,
+)
 from generator.models.party.fusion import FusionPast, HolisticPartFusion, merge, part_steps, split
 from generator.models.party.generation import Generation
 from generator.models.party.grounding import TextGrounding, diversity_loss
 from generator.models.party.network import PartyNetwork
 from generator.models.party.objectives.transformer import corrupted, token_loss
 from generator.nn.causal import Attention
+from generator.registry import find_preset
 from ros_free_stack.errors import InvalidOption
 
 TOKENS = TokenizerConfig(
@@ -273,3 +281,23 @@ def test_condition_tells_each_token_its_segment() -> None:
     assert given.counts(12).tolist() == [5, 4]
     assert given.segment(7, 8).tolist() == [[0, 0, 0, 1, 1, 1, 1], [0] * 7]
     assert given.mask(7, 8).sum(1).tolist() == [7, 5]
+
+
+@pytest.mark.parametrize(("preset", "size"), [("party", "published"), ("party", "small"), ("party-small", "small")])
+def test_presets_of_party_fit_together(preset: str, size: str) -> None:
+    _, found = find_preset(preset, size)
+    tokens = checked(TokenizerConfig, found.stage("tokenizer")["model"], "tokenizer.model")
+    config = checked(TransformerConfig, found.stage("transformer")["model"], "transformer.model")
+    losses = checked(TokenizerLosses, found.stage("tokenizer")["objective"], "tokenizer.objective")
+    checked(TransformerLosses, found.stage("transformer")["objective"], "transformer.objective")
+    assert all(losses.window % tokens.window_of(body) == 0 for body in tokens.bodies)
+    assert PartyNetwork(config, tokens).fusion is not None
+
+
+def test_part_wise_preset_has_neither_a_whole_body_nor_guidance() -> None:
+    _, found = find_preset("part-wise")
+    tokens = checked(TokenizerConfig, found.stage("tokenizer")["model"], "tokenizer.model")
+    config = checked(TransformerConfig, found.stage("transformer")["model"], "transformer.model")
+    model = PartyNetwork(config, tokens)
+    assert not tokens.holistic and len(tokens.parts) == 6
+    assert model.mix is None and model.fusion is None and model.grounding is None
