@@ -171,7 +171,13 @@ class Run(MotionOptions):
             ]
             sentences, lasting_s, wanted = self._amounts(pipeline, sentences, understood)
         whole = ", then ".join(text for text, _ in sentences)
-        folder = RunFolder(make_folder(out))
+        facts = {
+            "asked": whole,
+            "understood": "; ".join(text for _, segments in sentences for text in segments),
+            "seed": str(self.seed),
+            "candidates": str(self.candidates),
+        }
+        folder = RunFolder(make_folder(out), facts)
         found = pipeline.candidates(
             whole,
             tuple(text for _, segments in sentences for text in segments),

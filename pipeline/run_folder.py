@@ -1,10 +1,16 @@
 """The folder of a run: motion, trajectory and verdict as soon as they are known, then report and video."""
 
-from dataclasses import dataclass
+import platform
+import shlex
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 
 from pipeline.candidate import Candidate
 from pipeline.timings import Timings
+from ros_free_stack import __version__
 from ros_free_stack.console import say
 from ros_free_stack.robots import RobotDescription
 
@@ -16,6 +22,8 @@ class RunFolder:
     """What is written where; every method returns the files that it wrote, by name."""
 
     path: Path
+    facts: Mapping[str, str] = field(default_factory=dict)
+    """How the motion was made, for the report."""
 
     @property
     def telemetry(self) -> Path:
@@ -56,6 +64,7 @@ class RunFolder:
                 notes=notes,
                 not_shown=best.sample.missing,
                 faithful=best.sample.faithful,
+                facts={**self.facts, **_versions()},
             )
         if video:
             with timings.measure("video"):
@@ -75,3 +84,12 @@ class RunFolder:
 
     def _files(self, *names: str) -> dict[str, str]:
         return {name: str(self.path / name) for name in names}
+
+
+def _versions() -> dict[str, str]:
+    """The command line, and the versions of what decides about the result."""
+    libraries = ", ".join(f"{name} {version(name)}" for name in ("mujoco", "casadi", "torch", "numpy"))
+    return {
+        "command line": shlex.join(sys.argv),
+        "versions": f"ros-free-stack {__version__}, Python {platform.python_version()}, {libraries}",
+    }

@@ -8,7 +8,8 @@ from ros_free_stack.messages import Floats, ServoTelemetry
 from sim.playback.physics import Playback
 from sim.reference import Reference
 
-PLANNED, SIMULATED, LIMIT, GRID = "#2563eb", "#d97706", "#dc2626", "#d1d5db"
+PLANNED, SIMULATED, LIMIT, GRID = "#0f766e", "#7c3aed", "#dc2626", "#d1d5db"
+"""Not the colours of left and right, which mean a side in every picture."""
 _COLUMNS = 5
 
 
@@ -119,15 +120,17 @@ def feet_plot(reference: Reference, playback: Playback | None) -> Any:
     return figure
 
 
-def torque_plot(reference: Reference, playback: Playback) -> Any:
-    """One bar a servo: the greatest torque that it gave over its limit."""
+def torque_plot(reference: Reference, playback: Playback, limit: float) -> Any:
+    """One bar a servo: the greatest torque that the motion needs of it over what it has, with the verdict's limit."""
     robot = reference.robot
-    share = playback.torque.max(axis=0) / robot.effort
+    share = playback.needed.max(axis=0) / robot.effort
     figure = _figure(14, 2.8)
     axis = figure.subplots()
     names = [name.removesuffix("_joint") for name in robot.joint_names]
-    axis.bar(names, share, color=[LIMIT if value >= 0.999 else PLANNED for value in share])
-    axis.axhline(1, color=LIMIT, lw=0.8)
+    axis.bar(names, share, color=[LIMIT if value > limit else PLANNED for value in share])
+    axis.axhline(limit, color=LIMIT, lw=0.8)
+    axis.set_ylim(0, max(1.1 * limit, 1.05 * float(share.max())))
+    axis.set_ylabel("share of stall torque", fontsize=8)
     axis.tick_params(axis="x", rotation=60)
     _plain(axis)
     return figure

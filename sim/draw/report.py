@@ -5,7 +5,7 @@ import html
 import io
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,9 @@ SCENE_FPS = 25.0
 
 _JOINTS_CAPTION = "Planned joint angles; red lines are the ends of each range."
 
+_FILES = ("human_motion.npz", "trajectory.npz", "trajectory.csv", "verdict.json", "telemetry.npz")
+"""What may lie beside the report and is linked from it."""
+
 _TEMPLATE = Path(__file__).with_name("report.html")
 
 
@@ -42,6 +45,7 @@ def write_report(
     notes: Sequence[str] = (),
     not_shown: Sequence[str] = (),
     faithful: bool = True,
+    facts: Mapping[str, str] | None = None,
 ) -> Path:
     """Write `report.html` into a folder and return its path.
 
@@ -57,6 +61,7 @@ def write_report(
         notes: shown below those of the verdict.
         not_shown: what the motion does not show of what was asked for, a line each.
         faithful: whether every action that was asked for is there; a feasible motion that lacks one did not pass.
+        facts: how the motion was made, by name: seed, command line, versions.
 
     Raises:
         InvalidFile: the folder cannot be written.
@@ -77,6 +82,7 @@ def write_report(
         "checks": "\n".join(_row(check, path.fps) for check in verdict.checks),
         "worst": _worst_moments(judgement),
         "notes": "".join(f"<li>{html.escape(note)}</li>" for note in _notes(verdict.notes, not_shown, notes)),
+        "origin": _origin(facts or {}, folder),
         "timings": _timings(timings or {}),
         "storyboard": _png(storyboard(motion, judgement.reference)),
         "joints": _timed(joints_plot(judgement.reference), "joints", _JOINTS_CAPTION),
@@ -134,9 +140,9 @@ def _row(check: Check, fps: float) -> str:
     return (
         f'<tr class="{word}"><td><span class="badge">{word}</span></td>'
         f"<th>{html.escape(check.name.replace('_', ' '))}</th>"
-        f'<td class="number">{check.value:.3g}</td>'
-        f'<td class="number">{sign} {check.limit:.3g}{unit}</td>'
-        f"<td>{where}</td><td>{html.escape(check.meaning)}</td></tr>"
+        f'<td class="number" data-label="worst value">{check.value:.3g}{unit}</td>'
+        f'<td class="number" data-label="limit">{sign} {check.limit:.3g}{unit}</td>'
+        f'<td data-label="where">{where}</td><td>{html.escape(check.meaning)}</td></tr>'
     )
 
 
@@ -158,9 +164,10 @@ def _feet(judgement: Judgement) -> str:
 def _torque(judgement: Judgement) -> str:
     if judgement.playback is None:
         return ""
-    source = _png(torque_plot(judgement.reference, judgement.playback))
-    caption = "Greatest torque of each servo in the playback, as a share of its limit."
-    return f'<figure><img alt="torques" src="{source}"><figcaption>{caption}</figcaption></figure>'
+    limit = next((check.limit for check in judgement.verdict.checks if check.name == "torque_peak"), 1.0)
+    source = _svg(torque_plot(judgement.reference, judgement.playback, limit))
+    caption = f"Greatest torque that the motion needs of each servo; the red line is the verdict's limit, {limit:g}."
+    return f'<figure class="wide"><img alt="torques" src="{source}"><figcaption>{caption}</figcaption></figure>'
 
 
 def _servos(telemetry: ServoTelemetry | None) -> str:
@@ -168,20 +175,20 @@ def _servos(telemetry: ServoTelemetry | None) -> str:
     if telemetry is None:
         return ""
     lost = 1 - telemetry.fresh.mean()
-    angles = f"Commanded (blue) and measured (orange) angles of {len(telemetry.joint_names)} joints."
-    health = f"All servos in grey, the highest in orange; {lost:.1%} of the readings were not fresh."
+    angles = f"Commanded (green) and measured (violet) angles of {len(telemetry.joint_names)} joints."
+    health = f"All servos in grey, the highest in violet; {lost:.1%} of the readings were not fresh."
     return (
         "<h2>Servos</h2>"
-        f'<figure><img alt="servo angles" src="{_png(servo_angles_plot(telemetry))}">'
+        f'<figure class="wide"><img alt="servo angles" src="{_svg(servo_angles_plot(telemetry))}">'
         f"<figcaption>{angles}</figcaption></figure>"
-        f'<figure><img alt="servo health" src="{_png(servo_health_plot(telemetry))}">'
+        f'<figure class="wide"><img alt="servo health" src="{_svg(servo_health_plot(telemetry))}">'
         f"<figcaption>{health}</figcaption></figure>"
     )
 
 
 def _timed(figure: Any, name: str, caption: str) -> str:
     """A figure over time with a cursor in each of its plots, which the page moves with the playback."""
-    picture = _png(figure)  # drawing it settles where its plots are
+    picture = _svg(figure)  # drawing it settles where its plots are
     plots = {axis.get_position().bounds: axis.get_xlim() for axis in figure.axes if axis.get_visible()}
     cursors = "".join(
         f'<span class="plot" data-start="{start:.4f}" data-end="{end:.4f}" style="left:{100 * left:.3f}%;'
@@ -189,7 +196,7 @@ def _timed(figure: Any, name: str, caption: str) -> str:
         for (left, bottom, width, height), (start, end) in plots.items()
     )
     return (
-        f'<figure><div class="timed"><img alt="{name}" src="{picture}">{cursors}</div>'
+        f'<figure class="wide"><div class="timed"><img alt="{name}" src="{picture}">{cursors}</div>'
         f"<figcaption>{caption}</figcaption></figure>"
     )
 
@@ -215,6 +222,24 @@ def _png(figure: Any) -> str:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+
+
+def _svg(figure: Any) -> str:
+    """A matplotlib figure as a data URL that stays sharp at every size."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode()
+
+
+def _origin(facts: Mapping[str, str], folder: Path) -> str:
+    """How the motion was made, and the files beside the report."""
+    rows = "".join(
+        f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>" for name, value in facts.items()
+    )
+    there = [name for name in _FILES if (folder / name).is_file()]
+    links = " &middot; ".join(f'<a href="{name}">{name}</a>' for name in there)
+    table = f'<div class="card scroll"><table>{rows}</table></div>' if rows else ""
+    return (f"<h2>How it was made</h2>{table}" if rows else "") + (f"<p>Files: {links}</p>" if links else "")
 
 
 def _scene(motion: HumanMotion | None, judgement: Judgement) -> dict[str, Any]:

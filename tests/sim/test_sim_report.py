@@ -53,7 +53,7 @@ def test_report_is_whole_and_offline(op3, standing, motion, tmp_path):
     path = write_report(tmp_path / "new", motion, trajectory, judgement, op3, motion.prompt, {"judge": 1.0})
     text = path.read_text(encoding="utf-8")
     page = Page(text)
-    assert page.sources and all(source.startswith("data:image/png") for source in page.sources)
+    assert page.sources and all(source.startswith("data:image/") for source in page.sources)
     assert page.rows.count("pass") == len(judgement.verdict.checks) and "fail" not in page.rows
     assert "{{" not in text and "<b>waves" not in text and "<waves>" not in text
     data = re.search(r'type="application/json">(.*?)</script>', text, re.S)
