@@ -24,7 +24,9 @@ SCRIPT = "rfs"
 
 def program() -> str:
     """How this process was called, as a person would call it again."""
-    return SCRIPT if Path(sys.argv[0]).name in (SCRIPT, "__main__.py") else "python launch.py"
+    called = Path(sys.argv[0])
+    as_module = (called.parent.name, called.name) == ("ros_free_stack", "__main__.py")
+    return SCRIPT if as_module or called.stem == SCRIPT else "python launch.py"
 
 
 def main(arguments: Sequence[str]) -> int:
