@@ -50,8 +50,8 @@ def _words(event: _errors.ParseErrorEvent, command: type[Command]) -> str:
         case _errors.InstantiationFailure():
             return _problem(event.message, event.argument)
         case _errors.MissingArgs():
-            missing = ", ".join(_title(item.arg) for item in event.missing_arguments)
-            return f"{missing} is missing" + (
+            missing = " and ".join(_title(item.arg) for item in event.missing_arguments)
+            return f"{missing} must be given" + (
                 f"; {_unrecognised(event.unrecognized_tokens, command)}" if event.unrecognized_tokens else ""
             )
         case _:
@@ -80,5 +80,5 @@ def _unrecognised(tokens: list[str], command: type[Command]) -> str:
 
 def _title(argument: Any) -> str:
     if argument.is_positional():
-        return str(argument.lowered.metavar)
+        return str(argument.field.intern_name).replace("_", " ")
     return next((name for name in argument.lowered.name_or_flags if name.startswith("--")), "option")

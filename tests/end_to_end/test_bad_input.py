@@ -180,7 +180,7 @@ def test_retarget_needs_an_existing_motion(tmp_path: Path, capsys):
         (("run", "waves", "--out", "/proc/nowhere"), "writable"),
         (("generate", "waves", "--out", "x.txt"), "ends in .npz"),
         (("generate", "waves", "--candidates", "0"), "expected 1 to"),
-        (("validate",), "is missing"),
+        (("validate",), "trajectory must be given"),
         (("validate", "absent.npz"), "no such file"),
         (("retarget", "absent.bvh"), "no such file"),
         (("render", "absent.npz", "--out", "x.gif"), "ends in .mp4"),
