@@ -66,7 +66,7 @@ from ros_free_stack.sim.judge import verdict
 from ros_free_stack.generator.registry import GENERATORS, resolved
 import ros_free_stack.pipeline.pipeline, ros_free_stack.hw.stream, ros_free_stack.retarget.pipeline
 assert {launch.OWNER, sim.OWNER, hw.OWNER, generator.OWNER} == {"user"}
-print(*(resolved(item.model).__module__ for item in GENERATORS.values()), sep="\n")
+print(*(resolved(item.model).__module__ for item in GENERATORS.values()))
 """
     done = python(installed, others, "-c", code)
     assert done.returncode == 0, done.stderr
