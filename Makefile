@@ -2,6 +2,8 @@
 #             (TORCH=cuda takes the PyTorch that pip finds, with its gigabytes of CUDA, instead of the CPU build)
 # make test   set everything up, then run the tests
 # make check  lint, format, types, import contracts
+# make docs   build the site of docs/ into build/site; a warning is an error
+# make mutants  put faults into the safety code, which the tests must notice (an hour)
 # make clean  remove the environment and what the tools left behind
 
 PYTHON ?= python3
@@ -16,7 +18,7 @@ TORCH_INDEX := https://download.pytorch.org/whl/$(TORCH)
 # What pip says goes into a log, from which progress is told.
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 
-.PHONY: demo test check clean setup
+.PHONY: demo test check docs mutants clean setup
 .DEFAULT_GOAL := demo
 
 demo: $(STAMP)
@@ -31,6 +33,13 @@ check: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 	$(BIN)/pyright
+
+docs: $(STAMP)
+	$(PIP) --quiet --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --clean --quiet
+
+mutants: $(STAMP)
+	$(BIN)/python -m tests.mutants.run
 
 setup: $(STAMP)
 
