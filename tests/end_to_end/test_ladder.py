@@ -1,6 +1,6 @@
 """The ladder through the command line: gentler until a rung passes, each rung named where none does, off on request.
 
-The motions are authored, so no trained weights are needed: a twist as fast as this one asks more of OP3's servos than
+The motions are authored, so no trained weights are needed: arms swung as fast as these ask more of OP3's servos than
 they have, and OP3 cannot jump at any pace.
 """
 
@@ -33,9 +33,9 @@ def authored(name: str, **parameters: Any) -> HumanMotion:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two motions and their trajectories on OP3: twist.npz and twist_op3.npz, jump.npz and jump_op3.npz."""
+    """Two motions and their trajectories on OP3: swing_arms.npz and swing_arms_op3.npz, jump.npz and jump_op3.npz."""
     folder = tmp_path_factory.mktemp("ladder")
-    for name, motion in {"twist": authored("twist", speed=2.5), "jump": authored("jump", height=0.3)}.items():
+    for name, motion in {"swing_arms": authored("swing_arms", speed=2.5), "jump": authored("jump", height=0.3)}.items():
         save_motion(folder / f"{name}.npz", motion)
         arguments = ["retarget", str(folder / f"{name}.npz"), "--robot", "op3", "--out"]
         assert launch.main([*arguments, str(folder / f"{name}_op3.npz")]) == 0
@@ -50,19 +50,19 @@ def validate(folder: Path, name: str, capsys: pytest.CaptureFixture[str], *more:
 
 
 def test_without_repair_nothing_is_changed(folder, capsys):
-    code, result = validate(folder, "twist", capsys)
+    code, result = validate(folder, "swing_arms", capsys)
     assert code == INFEASIBLE
     assert "torque_peak" in {check["name"] for check in result["checks"] if not check["passed"]}
     assert not any(note.startswith(("changed", "tried")) for note in result["notes"])
 
 
-def test_a_slower_twist_passes(folder, tmp_path, capsys):
-    repair = ("--repair", "--motion", str(folder / "twist.npz"), "--out", str(tmp_path))
-    code, result = validate(folder, "twist", capsys, *repair)
+def test_slower_arms_pass(folder, tmp_path, capsys):
+    repair = ("--repair", "--motion", str(folder / "swing_arms.npz"), "--out", str(tmp_path))
+    code, result = validate(folder, "swing_arms", capsys, *repair)
     assert code == 0
     changed = [note for note in result["notes"] if note.startswith("changed")]
     assert len(changed) == 1 and "times slower" in changed[0]
-    before, after = load_motion(folder / "twist.npz"), load_motion(tmp_path / "human_motion.npz")
+    before, after = load_motion(folder / "swing_arms.npz"), load_motion(tmp_path / "human_motion.npz")
     assert after.duration_s > 1.2 * before.duration_s
     np.testing.assert_allclose(after.joints, before.joints, atol=1e-6)
     trajectory, verdict = load_trajectory(tmp_path / "trajectory.npz"), load_verdict(tmp_path / "verdict.json")
@@ -85,12 +85,12 @@ def test_a_jump_fails_on_every_rung_and_each_is_named(folder, tmp_path, capsys):
 
 @pytest.mark.parametrize("repair", [True, False])
 def test_a_run_repairs_unless_told_not_to(repair, tmp_path, monkeypatch, capsys):
-    twist = authored("twist", speed=2.5)
-    monkeypatch.setattr(Pipeline, "segments", lambda *_, **__: (("a person twists",), True))
-    monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (twist,))
+    swing = authored("swing_arms", speed=2.5)
+    monkeypatch.setattr(Pipeline, "segments", lambda *_, **__: (("a person swings both arms",), True))
+    monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (swing,))
     monkeypatch.setattr(Pipeline, "compared", lambda _, __, motions: [Sample(m, 0, (), 0.0) for m in motions])
     switch = "--repair" if repair else "--no-repair"
-    code = launch.main(["run", "a person twists", switch, "--no-video", "--json", "--out", str(tmp_path)])
+    code = launch.main(["run", "a person swings both arms", switch, "--no-video", "--json", "--out", str(tmp_path)])
     notes = json.loads(capsys.readouterr().out)["verdict"]["notes"]
     assert code == (0 if repair else INFEASIBLE)
     assert any(note.startswith("changed: ") for note in notes) == repair

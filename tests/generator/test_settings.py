@@ -67,7 +67,11 @@ def test_segmo_published_is_the_papers() -> None:
     [
         ("mask.batch=8", InvalidOption, "--set: expected STAGE.SECTION.SETTING=VALUE, found 'mask.batch=8'"),
         ("mask.training.batch", InvalidOption, "expected STAGE.SECTION.SETTING=VALUE"),
-        ("masks.training.batch=8", UnknownName, "unknown stage 'masks'; valid: durations, evaluator, grounding, mask"),
+        (
+            "masks.training.batch=8",
+            UnknownName,
+            "unknown stage 'masks'; did you mean mask",
+        ),
         ("mask.sizes.width=8", UnknownName, "unknown section 'sizes'; valid: model, objective, training"),
         ("mask.training.batch=[", InvalidOption, "has no readable value"),
     ],

@@ -242,7 +242,7 @@ def test_what_is_wrong_is_named(dataset: AuthoredCorpus, trained: Path, tmp_path
         tokenizer_run(dataset, tmp_path / "empty", Run(1, resume=True))
     with pytest.raises(InvalidOption, match="must be positive"):
         tokenizer_run(dataset, tmp_path / "none", Run(0))
-    with pytest.raises(UnknownName, match="unknown device 'tpu'; valid: auto, cpu"):
+    with pytest.raises(UnknownName, match="unknown device 'tpu'; did you mean cpu"):
         choose_device("tpu")
     checkpoint = tmp_path / "other" / loop.CHECKPOINT
     checkpoint.parent.mkdir()

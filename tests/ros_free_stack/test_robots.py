@@ -224,9 +224,15 @@ def test_servo_safety_has_defaults(tmp_path: Path):
         (lambda data: data["servo_safety"].update(watchdog_s=3.0), "watchdog_s: expected at most 2.54 s"),
         (lambda data: data["servo_safety"].update(on_fault="jump"), "on_fault 'jump'; valid: hold, off"),
         (lambda data: data["servos"].update(settings={"mode": "wheel"}), "servo mode 'wheel'; valid: current-based"),
-        (lambda data: data["servos"].update(settings={"gain": 1}), "entry of servos settings 'gain'; valid: "),
+        (
+            lambda data: data["servos"].update(settings={"gain": 1}),
+            "entry of servos settings 'gain'; did you mean",
+        ),
         (lambda data: data["servos"]["motor"].update(voltage=0), "motor voltage: expected a positive number, found 0"),
-        (lambda data: data["servos"]["motor"].update(volts=12), "entry of servos motor 'volts'; valid: "),
+        (
+            lambda data: data["servos"]["motor"].update(volts=12),
+            "entry of servos motor 'volts'; did you mean",
+        ),
         (lambda data: data["servos"]["motor"].pop("voltage"), "missing 1 required .* 'voltage'"),
         (lambda data: data["servos"].update(models={"tail": "XL430-W250"}), "servo model 'tail'"),
         (lambda data: data["servos"]["ids"].update(head_pan=20), "two joints have the same servo id"),
@@ -241,7 +247,7 @@ def test_servo_safety_has_defaults(tmp_path: Path):
         (lambda data: data["servos"]["board"].update(power="on"), "board power: expected a whole number"),
         (lambda data: data["servos"]["board"].update(button_names="start"), "button_names: expected a list of 1 to 8"),
         (lambda data: data["servos"]["board"].update(wait_s=-1), "board wait_s: expected a number of at least 0"),
-        (lambda data: data["servos"]["board"].update(watts=1), "entry of servos board 'watts'; valid: "),
+        (lambda data: data["servos"]["board"].update(watts=1), "entry of servos board 'watts'; did you mean"),
         (lambda data: data["servos"]["board"].pop("voltage"), "missing 1 required .* 'voltage'"),
     ],
 )
