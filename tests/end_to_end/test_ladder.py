@@ -15,6 +15,7 @@ import launch
 from generator.corpus.actions import perform
 from generator.corpus.pose import joints
 from generator.corpus.scene import Scene
+from generator.text.understanding import Understood
 from pipeline.candidate import Sample
 from pipeline.pipeline import Pipeline
 from ros_free_stack.files import load_motion, load_trajectory, load_verdict, save_motion
@@ -86,7 +87,7 @@ def test_a_jump_fails_on_every_rung_and_each_is_named(folder, tmp_path, capsys):
 @pytest.mark.parametrize("repair", [True, False])
 def test_a_run_repairs_unless_told_not_to(repair, tmp_path, monkeypatch, capsys):
     swing = authored("swing_arms", speed=2.5)
-    monkeypatch.setattr(Pipeline, "segments", lambda *_, **__: (("a person swings both arms",), True))
+    monkeypatch.setattr(Pipeline, "understand", lambda *_, **__: Understood(("a person swings both arms",), True))
     monkeypatch.setattr(Pipeline, "generate", lambda *_, **__: (swing,))
     monkeypatch.setattr(Pipeline, "compared", lambda _, __, motions: [Sample(m, 0, (), 0.0) for m in motions])
     switch = "--repair" if repair else "--no-repair"

@@ -79,3 +79,8 @@ def trajectory() -> Callable[..., RobotTrajectory]:
         )
 
     return make
+
+
+@pytest.fixture
+def before(trajectory) -> RobotTrajectory:
+    return trajectory("g1", frames=31, fps=50.0)
