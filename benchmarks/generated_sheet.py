@@ -9,7 +9,7 @@ from typing import Annotated
 
 import tyro
 
-from benchmarks.corpus import Figure, draw_sheet, human_figures
+from benchmarks.corpus_sheet import Figure, draw_sheet, human_figures
 from generator.performer import Performer
 from generator.registry import WEIGHTS_FOLDER
 from generator.text.splitter import Splitter

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.corpus import draw_sheet, human_figures, measure, performance
+from benchmarks.corpus import measure, performance
+from benchmarks.corpus_sheet import draw_sheet, human_figures
 from ros_free_stack.formats.features import encode
 from ros_free_stack.skeleton import JOINT_COUNT
 
