@@ -1,23 +1,26 @@
 """Pickles of plain data, read without running anything that they name.
 
-A pickle is a program: the usual reader calls whatever function it names. This one knows numpy arrays, scalars and
-types, containers, numbers and text, and refuses every other name. It also reads what joblib writes (PHC and its
-descendants): zlib-compressed files, and arrays whose bytes lie in the stream after a `NumpyArrayWrapper`.
+A pickle is a program: the usual reader calls whatever function it names, and lets it set the state of what it made.
+Here every name that is known stands for an inert note of what was asked for; arrays are made afterwards, from bytes,
+shape and type that were checked. The interpreter is Python's own in Python, whose reads cannot claim more memory than
+the file has. What joblib writes (PHC and its descendants) is read too: zlib-compressed files, and arrays whose bytes
+lie in the stream after a `NumpyArrayWrapper`.
 """
 
 import io
 import pickle
 import zlib
-from collections import OrderedDict
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, cast
-
-import numpy as np
-from numpy._core import multiarray, numeric
+from typing import Any, ClassVar, Final, cast
 
 from ros_free_stack.errors import InvalidFile
+from ros_free_stack.formats.pickle_notes import ArrayNote, BadNote, DTypeNote, JoblibNote, Note, ScalarNote, plain
 
-_JOBLIB_ARRAY: Final = ("joblib.numpy_pickle", "NumpyArrayWrapper")
+LARGEST: Final = 1 << 30
+"""Bytes of a pickle, and of what a compressed one unpacks to."""
+PACKED: Final = (64 << 20, 100)
+"""A compressed pickle may unpack to so many bytes, or to so many times its size."""
 
 
 class UnsafePickle(InvalidFile):
@@ -33,89 +36,98 @@ def read_pickle(path: Path, *, skip: int = 0) -> object:
 
     Raises:
         UnsafePickle: it names anything else; nothing of it was run.
-        InvalidFile: it is missing, truncated or no pickle at all.
+        InvalidFile: it is missing, truncated, too large or no pickle at all.
     """
     try:
-        data = path.read_bytes()[skip:]
-        if data[:1] == b"\x78":  # zlib's first byte; no pickle starts so
-            data = zlib.decompress(data)
-        stream = io.BytesIO(data)
-        return _plain(_Unpickler(path, stream).load())
+        if (size := path.stat().st_size) > LARGEST:
+            raise InvalidFile(path, f"has {size} bytes, at most {LARGEST} are read")
+        stream = io.BytesIO(_unpacked(path, path.read_bytes()[skip:]))
+        return plain(_Unpickler(path, stream).load())
     except InvalidFile:
         raise
     except OSError as error:
         raise InvalidFile(path, f"cannot be read: {error.strerror}") from None
     except MemoryError:
         raise InvalidFile(path, "claims arrays larger than memory") from None
+    except BadNote as error:
+        raise InvalidFile(path, f"not a readable pickle ({_printable(str(error))})") from None
     except Exception as error:  # a damaged pickle can raise anything
-        raise InvalidFile(path, f"not a readable pickle (truncated? {type(error).__name__}: {error})") from None
+        told = _printable(f"{type(error).__name__}: {error}")
+        raise InvalidFile(path, f"not a readable pickle (truncated? {told})") from None
 
 
-class _JoblibArray:
-    """Stands in for joblib's wrapper; reads the array's bytes as soon as its state is known."""
-
-    stream: io.BytesIO
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        if state.get("numpy_array_alignment_bytes") is not None:
-            self.stream.read(self.stream.read(1)[0])
-        shape, dtype = tuple(int(size) for size in state["shape"]), np.dtype(state["dtype"])
-        if dtype.hasobject:
-            raise ValueError("an array of objects")
-        count = int(np.prod(shape, dtype=np.int64))
-        data = self.stream.read(count * dtype.itemsize)
-        self.array = np.frombuffer(data, dtype, count).reshape(shape, order=state["order"])
+def _unpacked(path: Path, data: bytes) -> bytes:
+    """The pickle itself, of a file that may be compressed."""
+    if data[:1] != b"\x78":  # zlib's first byte; no pickle starts so
+        return data
+    most = min(LARGEST, max(PACKED[0], PACKED[1] * len(data)))
+    unpacker = zlib.decompressobj()
+    found = unpacker.decompress(data, most)
+    if unpacker.unconsumed_tail:
+        raise InvalidFile(path, f"unpacks to more than {most} bytes, which is more than it is read for")
+    if not unpacker.eof:
+        raise InvalidFile(path, "not a readable pickle (truncated: its compressed data end early)")
+    return found
 
 
-class _Unpickler(pickle.Unpickler):
+class _Unpickler(pickle._Unpickler):  # pyright: ignore[reportPrivateUsage, reportUntypedBaseClass, reportAttributeAccessIssue]
+    dispatch: ClassVar[dict[int, Callable[..., None]]] = dict(pickle._Unpickler.dispatch)  # pyright: ignore
+
     def __init__(self, path: Path, stream: io.BytesIO) -> None:
         super().__init__(stream, encoding="latin1")
-        self._path = path
+        self._path, self._stream = path, stream
         self._known: dict[tuple[str, str], Any] = {
-            ("numpy", "ndarray"): np.ndarray,
-            ("numpy", "dtype"): np.dtype,
-            ("collections", "OrderedDict"): OrderedDict,
+            ("numpy", "ndarray"): Note,
+            ("numpy", "dtype"): DTypeNote,
+            ("collections", "OrderedDict"): dict,
             ("_codecs", "encode"): _latin1,
-            _JOBLIB_ARRAY: type("JoblibArray", (_JoblibArray,), {"stream": stream}),
+            ("joblib.numpy_pickle", "NumpyArrayWrapper"): JoblibNote,
         }
         for core in ("numpy._core", "numpy.core"):
-            self._known[f"{core}.multiarray", "_reconstruct"] = multiarray._reconstruct  # pyright: ignore
-            self._known[f"{core}.multiarray", "scalar"] = multiarray.scalar  # pyright: ignore
-            self._known[f"{core}.numeric", "_frombuffer"] = numeric._frombuffer  # pyright: ignore
+            self._known[f"{core}.multiarray", "_reconstruct"] = ArrayNote.begun
+            self._known[f"{core}.multiarray", "scalar"] = ScalarNote
+            self._known[f"{core}.numeric", "_frombuffer"] = ArrayNote.of_buffer
         for module in ("builtins", "__builtin__"):
             self._known |= {(module, kind.__name__): kind for kind in (complex, set, frozenset)}
             self._known[module, "bytes"] = _no_bytes
 
-    def find_class(self, module_name: str, global_name: str, /) -> Any:
+    def find_class(self, module: str, name: str) -> Any:
         try:
-            return self._known[module_name, global_name]
+            return self._known[module, name]
         except KeyError:
-            name = f"{module_name}.{global_name}"
+            name = _printable(f"{module}.{name}")
             problem = f"names {name}, which is no plain data; refused (valid: numpy arrays, numbers, text, containers)"
             raise UnsafePickle(self._path, problem) from None
 
     def persistent_load(self, pid: Any) -> Any:
         raise UnsafePickle(self._path, "refers to something outside of the file; refused")
 
+    def load_build(self) -> None:
+        """The state of a note; nothing else has one that a file may set."""
+        stack = cast(list[Any], self.stack)  # pyright: ignore
+        state = stack.pop()
+        note: object = stack[-1]
+        if not isinstance(note, Note):
+            raise BadNote(f"sets the state of a {type(note).__name__}")
+        note.state = state
+        if isinstance(note, JoblibNote):
+            note.read(self._stream)
+
+    dispatch[pickle.BUILD[0]] = load_build
+
+
+def _printable(text: str) -> str:
+    """Words of a file on one line that is not too long."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text[:200])
+
 
 def _latin1(text: str, encoding: str) -> bytes:
     """How pickles of protocol 2 and less hold bytes."""
     if encoding != "latin1":
-        raise ValueError(f"bytes in {encoding}")
+        raise BadNote(f"bytes in {encoding}")
     return text.encode("latin1")
 
 
 def _no_bytes() -> bytes:
     """How pickles of protocol 2 and less hold empty bytes."""
     return b""
-
-
-def _plain(value: Any) -> object:
-    """Joblib's arrays in their places."""
-    if isinstance(value, _JoblibArray):
-        return value.array
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in cast(dict[Any, Any], value).items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in cast(list[Any], value)]
-    return cast(object, value)

@@ -147,3 +147,73 @@ def test_garbage_is_one_clear_error(tmp_path_factory: pytest.TempPathFactory, da
 def test_a_missing_file(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="cannot be read"):
         read_pickle(tmp_path / "none.pkl")
+
+
+# An allowed type is given fields of objects by its state, and then bytes of the file are read as pointers.
+TYPE_CONFUSION = (
+    "gAN9KFgDAAAAZnBzSx5YCAAAAHJvb3Rfcm90WAEAAAB4WAcAAABkb2ZfcG9zWAEAAAB4WAgAAAByb290X3Bvc2NudW1weS5jb3JlLm51bWVyaWMK"
+    "X2Zyb21idWZmZXIKKEMIQUFBQUFBQUFjbnVtcHkKZHR5cGUKWAIAAABWOIVSKEsDWAEAAAB8TlgBAAAAYYV9WAEAAABhY251bXB5CmR0eXBlClgB"
+    "AAAAT4VSSwCGc0sISwFLAHRiSwGFVQFDdFJ1Lg=="
+)
+# The state of an array says that its bytes are objects.
+OBJECTS_BY_STATE = (
+    "gAJjbnVtcHkuY29yZS5tdWx0aWFycmF5Cl9yZWNvbnN0cnVjdApjbnVtcHkKbmRhcnJheQpLAIVVAWKHUihLAUoAAAAQhWNudW1weQpkdHlwZQpY"
+    "AgAAAE84SwBLAYdSiV10Yi4="
+)
+
+
+@pytest.mark.parametrize("packed", [TYPE_CONFUSION, OBJECTS_BY_STATE])
+def test_bytes_of_a_file_never_become_pointers(tmp_path: Path, packed: str) -> None:
+    (tmp_path / "a.pkl").write_bytes(base64.b64decode(packed))
+    with pytest.raises(InvalidFile, match="holds an array of"):
+        read_pickle(tmp_path / "a.pkl")
+
+
+def laughs() -> object:
+    items: list[object] = ["ha"]
+    for _ in range(60):
+        items = [items, items]
+    return items
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"\x80\x04B\xff\xff\xff\xff.", "truncated"),
+        (b"\x80\x04\x8e" + (1 << 40).to_bytes(8, "little") + b".", "truncated"),
+        (b"\x80\x04Nr\xff\xff\xff\x7f0.", "truncated|readable"),
+        (b"\x80\x04cnumpy\nndarray\n(K\x05t}b.", "not a readable pickle"),
+        (b"\x80\x04]}b.", "sets the state of a list"),
+        (b"\x80\x04cnumpy\nndarray\n}b.", "sets the state of a type"),
+        (b"\x80\x04cbuiltins\nset\n.", "holds a function or a type"),
+        (pickle.dumps(np.zeros(2, dtype=[("a", "f8")])), "expected numbers or text"),
+        (pickle.dumps(np.array(["2020-01-01"], dtype="M8[D]")), "expected numbers or text"),
+        (pickle.dumps(laughs()), "comes to more than"),
+        (zlib.compress(bytes(70 << 20)), "unpacks to more than"),
+    ],
+)
+def test_what_would_take_too_much_or_makes_no_sense_is_refused(tmp_path: Path, data: bytes, words: str) -> None:
+    (tmp_path / "a.pkl").write_bytes(data)
+    with pytest.raises(InvalidFile, match=words):
+        read_pickle(tmp_path / "a.pkl")
+
+
+def test_nesting_has_an_end(tmp_path: Path) -> None:
+    (tmp_path / "a.pkl").write_bytes(b"\x80\x04" + b"]" * 5000 + b"a" * 4999 + b".")
+    with pytest.raises(InvalidFile, match="nested deeper than"):
+        read_pickle(tmp_path / "a.pkl")
+
+
+def test_changed_bytes_end_in_data_or_in_one_clear_error(tmp_path: Path) -> None:
+    """A thousand pickles with some bytes changed; a crash would end the whole test run."""
+    rng = np.random.default_rng(0)
+    clip = {"fps": np.float32(30), "root": np.arange(6.0).reshape(2, 3), "names": ["a", "b"], "more": (1, None, b"x")}
+    for number in range(1000):
+        data = bytearray(pickle.dumps(clip, protocol=number % 6))
+        for place in rng.integers(0, len(data), rng.integers(1, 5)):
+            data[place] = rng.integers(0, 256)
+        (tmp_path / "a.pkl").write_bytes(bytes(data))
+        try:
+            read_pickle(tmp_path / "a.pkl")
+        except InvalidFile as error:
+            assert "\n" not in str(error)
