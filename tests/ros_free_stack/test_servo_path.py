@@ -66,6 +66,15 @@ def test_a_motion_that_begins_and_ends_at_speed_still_starts_and_ends_at_rest() 
     assert (len(path) - 1) * CYCLE_S == pytest.approx(2.0 + EASE_S, abs=CYCLE_S)
 
 
+@pytest.mark.parametrize("reverse", [False, True])
+def test_one_end_at_speed_is_enough_to_ease(reverse: bool) -> None:
+    angles = 0.25 * np.linspace(0, 1, 41) ** 2
+    frames = np.column_stack([angles[::-1] if reverse else angles, np.zeros(41)])
+    path = servo_path(trajectory(frames), OP3).joint_pos[:, 0]
+    speed = np.abs(np.diff(path)) / CYCLE_S
+    assert speed[0] < 0.01 and speed[-1] < 0.01
+
+
 def test_root_and_contacts_go_along() -> None:
     turn = np.linspace(0, 3.0, 41) + 2.0
     quaternions = Rotation.from_rotvec(np.outer(turn, [0, 0, 1])).as_quat(scalar_first=True)
