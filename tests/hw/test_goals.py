@@ -89,6 +89,14 @@ def test_a_path_on_another_cycle_is_refused() -> None:
         goals_of(trajectory(np.zeros((5, 2))), RIG)
 
 
+@pytest.mark.parametrize("reverse", [False, True])
+def test_a_path_that_is_not_at_rest_at_an_end_is_refused(reverse: bool) -> None:
+    angles = 0.25 * np.linspace(0, 1, 60) ** 2
+    frames = np.column_stack([angles if reverse else angles[::-1], np.zeros(60)])
+    with pytest.raises(UnsafeCommand, match=r"r_el .* acceleration"):
+        goals_of(trajectory(frames, fps=1 / RIG.cycle_s), RIG)
+
+
 def test_goals_are_the_frames_of_the_path_to_the_bit() -> None:
     path = servo_path(trajectory(0.1 * np.sin(np.linspace(0, 6, 40))[:, None] * [1, -1]), OP3)
     assert np.array_equal(goals_of(path, RIG), path.joint_pos[:, ::-1])
